@@ -146,6 +146,7 @@ def test_announcement_and_result():
     assert branch.certificate == Certificate(
         penetration=0.125, pressure_beyond=None, amplitude_2h=0.375, shift_2h=1e-3, omega_min_2h=0.5, omega_max_2h=0.625,
         change_2h=0.0625, change_omega_2h=1.125,
+        contact_omega=(0.5, 0.75), slowest_sliding=0.875,
     )
 
 
@@ -156,7 +157,7 @@ def test_a_branch_of_the_first_programs():
     branch = Result.read(message, model()).branch
     assert branch is not None
     assert (branch.kind, branch.peak_standing) == ("isola", None)
-    assert branch.certificate == Certificate(*8 * [None])
+    assert branch.certificate == Certificate(*10 * [None])
 
 
 def test_nothing_found():

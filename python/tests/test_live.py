@@ -189,10 +189,12 @@ def compare(row: dict[str, str], branch: isola_hbm.Branch) -> None:
     same("omega_max", branch.omega.max())
     same("amplitude_max", branch.amplitudes[branch.peak, 0])
     same("omega_at_max", branch.omega[branch.peak])
-    touching = branch.omega[branch.contact.max(axis=1, initial=0.0) > 0]
-    if len(touching):
-        same("contact_omega_min", touching.min())
-        same("contact_omega_max", touching.max())
+    if branch.certificate.contact_omega:
+        touching = branch.omega[branch.contact.max(axis=1, initial=0.0) > 0]
+        low, high = branch.certificate.contact_omega
+        assert low <= touching.min() and touching.max() <= high, branch
+        same("contact_omega_min", low)
+        same("contact_omega_max", high)
     else:
         assert (row["contact_omega_min"], row["contact_omega_max"]) == ("", "")
 

@@ -398,7 +398,7 @@ def test_a_run_of_the_first_programs(copy: Path, tmp_path: Path) -> None:
     drop = "".join(
         f"ALTER TABLE branches DROP COLUMN {name};"
         for name in ("peak_standing", "penetration", "pressure_beyond", "amplitude_2h", "shift_2h", "omega_min_2h", "omega_max_2h",
-            "change_2h", "change_omega_2h")
+            "change_2h", "change_omega_2h", "slowest_sliding")
     )
     one_mode = (
         "ALTER TABLE windows DROP COLUMN mode; DROP TABLE modes; CREATE TABLE one AS SELECT * FROM backbone;"
@@ -438,7 +438,7 @@ def test_what_is_no_run(tmp_path: Path, copy: Path) -> None:
         isola_hbm.load(file)
     change(copy, "PRAGMA user_version = 99")
     with pytest.raises(
-        isola_hbm.OtherVersion, match="version 99 of the format, this package knows version 11"
+        isola_hbm.OtherVersion, match="version 99 of the format, this package knows version 12"
     ):
         isola_hbm.load(copy)
 

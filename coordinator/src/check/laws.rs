@@ -36,7 +36,8 @@ fn reversing(study: &Study) -> impl Iterator<Item = String> + '_ {
         let radius = contact.friction?.radius;
         (radius * harmonic < SLOW * contact.gap).then(|| {
             format!(
-                "`{}`: its radius, {}, is less than {SLOW} times the gap, {}: motions of that size may turn the sliding round while it presses,                  which harmonics.quadrature = \"arcs\" takes for smooth, and \"samples\" does not",
+                "`{}`: its radius, {}, is less than {SLOW} times the gap, {}: motions of that size may turn the sliding round while it presses, \
+                 which harmonics.quadrature = \"arcs\" takes for smooth, and \"samples\" does not",
                 element.name,
                 length(study, radius, 3),
                 length(study, contact.gap, 3)

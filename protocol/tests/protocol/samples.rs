@@ -215,6 +215,8 @@ pub fn branch() -> BranchMessage {
             pressure_beyond: None,
             doubled: Some(Doubled { amplitude: 0.375, shift: 1e-3, range: Some((0.5, 0.625)) }),
             elsewhere: Some(Change { omega: 1.125, share: Some(0.0625) }),
+            contact_omega: Some((0.5, 0.75)),
+            slowest_sliding: Some(0.875),
         }),
         points: points(2),
     }

@@ -14,7 +14,7 @@ use protocol::curve::Size;
 use solver::response::windows::{Event, EventKind};
 use std::path::Path;
 
-pub(super) const SUMMARY: [&str; 22] = [
+pub(super) const SUMMARY: [&str; 23] = [
     "amplitude",
     "branch",
     "kind",
@@ -37,6 +37,7 @@ pub(super) const SUMMARY: [&str; 22] = [
     "omega_max_2h",
     "change_2h",
     "change_omega_2h",
+    "slowest_sliding",
 ];
 pub(super) const WINDOWS: [&str; 10] =
     ["amplitude", "window", "omega_min", "omega_max", "omega_best", "threshold", "outcome", "branch", "reason", "mode"];
@@ -259,7 +260,7 @@ fn write_summary(dir: &Path, levels: &[Level]) -> Result<(), ExportError> {
     table.finish()
 }
 
-fn summary_row(level: &Level, branch: &BranchRow) -> [String; 22] {
+fn summary_row(level: &Level, branch: &BranchRow) -> [String; 23] {
     let certificate = &branch.certificate;
     let range = certificate.doubled.and_then(|doubled| doubled.range);
     [
@@ -272,8 +273,8 @@ fn summary_row(level: &Level, branch: &BranchRow) -> [String; 22] {
         text(branch.omega.1),
         text(branch.amplitude_max),
         text(branch.omega_at_max),
-        optional(branch.contact_omega.map(|(low, _)| low)),
-        optional(branch.contact_omega.map(|(_, high)| high)),
+        optional(certificate.contact_omega.map(|(low, _)| low)),
+        optional(certificate.contact_omega.map(|(_, high)| high)),
         branch.peak_standing.map_or_else(String::new, |standing| standing.name().into()),
         branch.family.map_or_else(String::new, |family| family.to_string()),
         optional(certificate.penetration),
@@ -286,6 +287,7 @@ fn summary_row(level: &Level, branch: &BranchRow) -> [String; 22] {
         optional(range.map(|(_, high)| high)),
         optional(certificate.elsewhere.and_then(|change| change.share)),
         optional(certificate.elsewhere.map(|change| change.omega)),
+        optional(certificate.slowest_sliding),
     ]
 }
 

@@ -59,7 +59,7 @@ fn a_finished_run() {
         columns,
         "amplitude,branch,kind,status,points,omega_min,omega_max,amplitude_max,omega_at_max,contact_omega_min,\
          contact_omega_max,peak_standing,family,penetration,pressure_beyond,amplitude_2h,shift_2h,stable,omega_min_2h,omega_max_2h,\
-         change_2h,change_omega_2h"
+         change_2h,change_omega_2h,slowest_sliding"
     );
     let keys: Vec<[&str; 3]> = rows.iter().map(|r| ["amplitude", "kind", "branch"].map(|c| r[c].as_str())).collect();
     assert_eq!(keys, [["3e-3", "main", "1"], ["0.006", "main", "1"], ["0.006", "isola", "1"]]);

@@ -188,7 +188,7 @@ pub const UNTOUCHED: &str = "No branch of any level touches a stop.";
 
 /// Whether every level is complete and no branch of any touches a stop.
 pub fn is_untouched(levels: &[Level]) -> bool {
-    let touches = |level: &Level| level.branches.iter().any(|branch| branch.contact_omega.is_some());
+    let touches = |level: &Level| level.branches.iter().any(|branch| branch.certificate.contact_omega.is_some());
     let are_some = levels.iter().any(|level| !level.branches.is_empty());
     are_some && levels.iter().all(|level| level.is_complete() && !touches(level))
 }

@@ -242,7 +242,7 @@ mod tests {
 
     fn row(kind: &str, amplitude_2h: Option<f64>) -> BranchRow {
         let doubled = amplitude_2h.map(|amplitude| Doubled { amplitude, shift: 0.0, range: None });
-        let certificate = Certificate { penetration: Some(0.13), pressure_beyond: None, doubled, elsewhere: None };
+        let certificate = Certificate { penetration: Some(0.13), doubled, ..Certificate::default() };
         BranchRow {
             kind: kind.into(),
             number: 1,

@@ -10,7 +10,7 @@ use super::losses::{losses, named, unknown_beyond};
 use super::ranges::{in_words, joined, over, runs};
 use crate::overview::{
     BranchRow, Level, UNTOUCHED, Unforced, around_largest, beyond, events_sentence, highest, is_untouched, modes,
-    not_followed_sentence, passed_over_sentence, reach_sentence, sampled, shift_sentence, truncation,
+    not_followed_sentence, passed_over_sentence, reach_sentence, sampled, shift_sentence, truncation, turned_sliding,
 };
 use crate::summary_table::{motions, stability};
 use crate::words::{self, count, digits};
@@ -215,6 +215,7 @@ impl<'r> Evidence<'r> {
         list.extend(self.others());
         list.extend(self.not_found());
         list.extend(unknown_beyond(self));
+        list.extend(turned_sliding(self.levels));
         list.extend(truncation(self.levels, self.harmonics, self.least_added, self.structure.of_several(), |omega| {
             self.frequency(omega)
         }));

@@ -198,7 +198,9 @@ impl Changes<'_> {
         let points = Scalars::new(&branch.points).at(self.file)?;
         let certificate = branch.certificate.unwrap_or_default();
         let range = certificate.doubled.and_then(|doubled| doubled.range);
-        let (summary, contact) = (Extent::of_scalars(&points), contact_range(&points));
+        // Beginnings and ends of contact that could not be located are those of points.
+        let contact = certificate.contact_omega.or_else(|| contact_range(&points));
+        let summary = Extent::of_scalars(&points);
         let row = params![
             task.as_str(),
             name.kind.name(),
@@ -223,13 +225,14 @@ impl Changes<'_> {
             range.map(|(_, high)| high),
             certificate.elsewhere.and_then(|change| change.share),
             certificate.elsewhere.map(|change| change.omega),
+            certificate.slowest_sliding,
         ];
         let sql = "INSERT INTO branches (task, level, amplitude, kind, number, status, closed, points, rejections, \
                    special, omega_min, omega_max, amplitude_max, omega_at_max, contact_omega_min, contact_omega_max, \
                    peak_standing, penetration, pressure_beyond, amplitude_2h, shift_2h, omega_min_2h, omega_max_2h, \
-                   change_2h, change_omega_2h) \
+                   change_2h, change_omega_2h, slowest_sliding) \
                    SELECT ?1, level, amplitude, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14, ?15, ?16, ?17, \
-                   ?18, ?19, ?20, ?21, ?22, ?23 \
+                   ?18, ?19, ?20, ?21, ?22, ?23, ?24 \
                    FROM tasks JOIN levels USING (level) WHERE tasks.id = ?1";
         self.execute(sql, row)?;
         let id = self.db.last_insert_rowid();

@@ -15,7 +15,7 @@ use solver::response::certificate::{Change, Doubled};
 use std::collections::HashMap;
 
 /// Columns of branches that files of earlier versions are without, and the first version that has them.
-const LATER: [(&str, i64); 9] = [
+const LATER: [(&str, i64); 10] = [
     ("peak_standing", 2),
     ("penetration", 2),
     ("pressure_beyond", 2),
@@ -25,6 +25,7 @@ const LATER: [(&str, i64); 9] = [
     ("omega_max_2h", 6),
     ("change_2h", 11),
     ("change_omega_2h", 11),
+    ("slowest_sliding", 12),
 ];
 
 /// A branch of a level in numbers.
@@ -46,8 +47,6 @@ pub struct BranchRow {
     pub amplitude_max: f64,
     /// Frequency there, rad/s.
     pub omega_at_max: f64,
-    /// Lowest and highest frequency at which any node touches, rad/s.
-    pub contact_omega: Option<(f64, f64)>,
     /// Whether the largest amplitude is that of a maximum; not known of runs of the first programs.
     pub peak_standing: Option<Standing>,
     /// What is known of the harmonics that were left out.
@@ -254,7 +253,6 @@ fn branch(row: &Row<'_>) -> rusqlite::Result<BranchRow> {
         omega: (number(row, 5)?, number(row, 6)?),
         amplitude_max: number(row, 7)?,
         omega_at_max: number(row, 8)?,
-        contact_omega: touching.0.zip(touching.1),
         id: row.get(11)?,
         task: row.get(12)?,
         peak_standing: standing.and_then(|name| Standing::named(&name)).map(|named| standing_between(&status, named)),
@@ -264,6 +262,8 @@ fn branch(row: &Row<'_>) -> rusqlite::Result<BranchRow> {
             pressure_beyond: row.get(15)?,
             doubled: doubled.0.zip(doubled.1).map(|(amplitude, shift)| Doubled { amplitude, shift, range }),
             elsewhere: change.1.map(|omega| Change { share: change.0, omega }),
+            contact_omega: touching.0.zip(touching.1),
+            slowest_sliding: row.get(22)?,
         },
         stability: None,
         family: None,

@@ -259,6 +259,8 @@ CREATE TABLE branches (
     -- first is NULL where near most of them no motion was found.
     change_2h REAL,
     change_omega_2h REAL,
+    -- Slowest sliding of a contact along the rotation while it presses, over the speed of the rotor there; NULL where none with friction presses.
+    slowest_sliding REAL,
     UNIQUE (level, kind, number)
 );
 

@@ -5,7 +5,8 @@ use super::units::Units;
 use super::{search, stability};
 use crate::overview::{
     BranchRow, Level, around_largest, asks_for_harmonics, highest, in_words, is_unconfirmed, is_unmatched,
-    largest_stable_sentence, near_largest, passed_over_sentence, truncation_of, unfinished, unstable_peak_sentence,
+    largest_stable_sentence, near_largest, passed_over_sentence, truncation_of, turned_sliding, unfinished,
+    unstable_peak_sentence,
 };
 use crate::words::{capitalised, listed};
 use solver::response::branch::BranchKind;
@@ -28,6 +29,7 @@ pub(super) fn answer(known: &Known, units: Units) -> Vec<String> {
         .chain(unstable_peak_sentence(levels, !known.motions.is_empty()))
         .chain(known.doubts.as_deref().map(|doubts| format!("{}.", capitalised(doubts))))
         .chain(unfinished(levels, !known.awaits_backbones))
+        .chain(turned_sliding(levels))
         .chain(
             truncation_of(known.model.as_ref(), levels, known.settings.as_ref(), known.is_further, |omega| {
                 units.frequency.told(omega)

@@ -1,4 +1,5 @@
-//! What the numbers of a branch are worth: whether its peak is one, and what the harmonics that were left out would change.
+//! What the numbers of a branch are worth: whether its peak is one, what the harmonics that were left out would change, where it touches, and
+//! whether the friction there is what its law is made for.
 
 use crate::curve::outcome::{Outcome, Stop};
 use serde::{Deserialize, Serialize};
@@ -54,7 +55,7 @@ fn goes_on_higher(stop: &Stop) -> bool {
     }
 }
 
-/// What is known of the harmonics beyond H of a branch; `None` where it was not computed, or means nothing.
+/// What is known of the harmonics beyond H of a branch, of its contact and its friction; `None` where it was not computed, or means nothing.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct Certificate {
     /// Largest penetration of a contact over its gap.
@@ -66,6 +67,13 @@ pub struct Certificate {
     /// How far 2 H harmonics move the branch at most, of the points that leave most of their balance.
     #[serde(default)]
     pub elsewhere: Option<Change>,
+    /// Lowest and highest frequency at which a contact touches, rad/s, located between points.
+    #[serde(default)]
+    pub contact_omega: Option<(f64, f64)>,
+    /// Slowest sliding of a contact along the rotation while it presses, over the speed of the rotor there: where it is not above zero the
+    /// sliding stops or turns round, for which the law of permanent sliding is not made.
+    #[serde(default)]
+    pub slowest_sliding: Option<f64>,
 }
 
 /// How far more harmonics move a branch at a point.

@@ -329,12 +329,13 @@ fn is_response(state: &State) -> bool {
 }
 
 fn is_finite(certificate: &Certificate) -> bool {
-    let Certificate { penetration, pressure_beyond, doubled, elsewhere } = certificate;
+    let Certificate { penetration, pressure_beyond, doubled, elsewhere, contact_omega, slowest_sliding } = certificate;
     let range = doubled.and_then(|doubled| doubled.range).map(|(low, high)| [low, high]);
     let doubled = doubled.map(|doubled| [doubled.amplitude, doubled.shift]);
     let elsewhere = elsewhere.map(|change| [change.omega, change.share.unwrap_or_default()]);
-    let pairs = [doubled, range, elsewhere].into_iter().flatten().flatten();
-    [*penetration, *pressure_beyond].into_iter().flatten().chain(pairs).all(f64::is_finite)
+    let contact = contact_omega.map(|(low, high)| [low, high]);
+    let pairs = [doubled, range, elsewhere, contact].into_iter().flatten().flatten();
+    [*penetration, *pressure_beyond, *slowest_sliding].into_iter().flatten().chain(pairs).all(f64::is_finite)
 }
 
 /// Whether every column of every point is finite.

@@ -1,5 +1,5 @@
-//! What the harmonics that were left out would change: penetration, pressure beyond H, the peak and the ends of the range
-//! with twice the harmonics.
+//! The certificate of a branch: what the harmonics that were left out would change (penetration, pressure beyond H, the peak and the ends of
+//! the range with twice the harmonics), where it touches, and how its tips slide.
 
 use crate::curve::outcome::{Outcome, Stop};
 use crate::formulation::Formulation;
@@ -12,6 +12,8 @@ use crate::response::certificate::{Certificate, Doubled};
 use crate::response::climb::{Top, climb, maximum_near};
 use crate::response::elsewhere::largest_change;
 use crate::response::raised::raised;
+use crate::response::sliding::slowest_sliding;
+use crate::response::touching::contact_range;
 use crate::settings::{HarmonicSettings, Settings};
 use crate::structure::Model;
 use crate::structure::laws::Law;
@@ -27,11 +29,16 @@ pub(super) fn certificate<'m, F: Formulation<'m>>(
     observer: &mut Observer<'_>,
 ) -> Certificate {
     let (penetration, pressure_beyond) = of_contacts(model, settings.harmonics, branch);
-    let none = Certificate { penetration, pressure_beyond, ..Certificate::default() };
-    let unknown = Unknown::Frequency { forcing: branch.forcing };
-    let scales = Scales::new(model, settings.tracked(model));
-    let problem = F::build(model, settings.harmonics.doubled(), settings.tracked(model), unknown, scales);
-    let Ok(mut problem) = problem else { return none };
+    let slowest_sliding = slowest_sliding(model, settings.harmonics, &branch.points);
+    let build = |truncation| {
+        let unknown = Unknown::Frequency { forcing: branch.forcing };
+        let tracked = settings.tracked(model);
+        F::build(model, truncation, tracked, unknown, Scales::new(model, tracked)).ok()
+    };
+    let contact_omega = build(settings.harmonics)
+        .and_then(|mut problem| contact_range(&mut problem, settings.continuation, &branch.points, branch.is_closed()));
+    let none = Certificate { penetration, pressure_beyond, contact_omega, slowest_sliding, ..Certificate::default() };
+    let Some(mut problem) = build(settings.harmonics.doubled()) else { return none };
     let elsewhere = largest_change(&mut problem, settings.continuation, &branch.points, observer);
     Certificate { doubled: doubled(&mut problem, model, settings, branch, observer), elsewhere, ..none }
 }

@@ -7,7 +7,7 @@ use super::basin::is_left_by_a_push;
 use super::multipliers::{Multiplier, Verdict};
 use super::shooting::{NewtonOptions, Orbit, Period, Point, Shooting};
 use super::symmetry;
-use crate::formulation::harmonics::evaluate;
+use crate::formulation::harmonics::{evaluate, width};
 use crate::formulation::state::State;
 use crate::marching::{Account, MarchingSettings};
 use crate::structure::Model;
@@ -201,7 +201,8 @@ fn judge(
     let share = period.stride as f64 / orbit.steps as f64;
     let distance = distance(state, &period.path, share);
     let is_near = distance < settings.distance && (orbit.omega / state.omega - 1.0).abs() < settings.detuning;
-    if !is_near || symmetry::is_lost(model, state, &period.path, share) {
+    let is_untouched = period.account.impacts == 0.0 && strikes(model, state);
+    if !is_near || is_untouched || symmetry::is_lost(model, state, &period.path, share) {
         return Err(Reason::TooFar);
     }
     let multipliers = period.multipliers().map_err(|_| Reason::Failed)?;
@@ -216,6 +217,21 @@ fn judge(
     let polished = Polished { orbit, amplitudes: period.amplitudes.clone(), distance, multipliers, impacts, margin };
     let reason = lossy.then_some(Reason::Impacts);
     Ok(Polish { verdict, reason, polished: Some(polished), periods: (0, 0) })
+}
+
+/// A motion that presses for a larger share of the period than this is not one that only passes by.
+const PRESSED: f64 = 0.02;
+
+/// Whether a rigid contact closes and opens again in a motion of the balance, by more than what the two ways to compute it may differ in.
+fn strikes(model: &Model, state: &State) -> bool {
+    let nc = width(state.harmonics);
+    let mut shares = model.contacts().map(|contact| {
+        let pressure = &state.arguments[contact.first * nc..(contact.first + 1) * nc];
+        let count = 16 * nc;
+        let is_pressed = |&i: &usize| evaluate(pressure, TAU * i as f64 / count as f64)[0] > 0.0;
+        (0..count).filter(is_pressed).count() as f64 / count as f64
+    });
+    shares.any(|share| share > PRESSED && share < 1.0)
 }
 
 /// The energy supplied counts at least as this share of what the forcing exchanges with the structure: a period that closes to what

@@ -4,7 +4,7 @@ use crate::support::balance::Matrices;
 use crate::support::fold_curves::{Study, folds};
 use crate::support::linear::{maximum, response};
 use crate::support::study::{Kind, Study as Levels, of_kind, with_harmonics};
-use solver::laws::PenaltySpring;
+use solver::laws::{Contact, Friction, PenaltySpring};
 use solver::response::folds::Extent;
 use solver::{Model, Settings};
 
@@ -65,4 +65,60 @@ fn every_resonance_and_every_monitored_dof_has_its_peak() {
             }
         }
     }
+}
+
+/// Where contact begins a mass just reaches its stop in the linear response, which has a closed form, whatever the steps; where the branch
+/// turns back it touches as well.
+#[test]
+fn contact_begins_where_the_linear_response_reaches_the_stop() {
+    const RATIO: f64 = 0.01;
+    const GAP: f64 = 2e-3;
+    const FORCE: f64 = 1e-4;
+    let model = Model::builder("mass")
+        .mass([[1.0]])
+        .stiffness([[1.0]])
+        .damping_ratio(RATIO)
+        .force("x1", 1.0)
+        .element("wall", Contact { gap: GAP, epsilon: 2.0, friction: None }, ["x1"])
+        .build()
+        .unwrap();
+    // (1 − ω²)² + (2 ζ ω)² = (A / c)²
+    let half = 1.0 - 2.0 * RATIO * RATIO;
+    let reached = (half - (half * half - 1.0 + (FORCE / GAP).powi(2)).sqrt()).sqrt();
+    for factor in [0.3, 0.5, 2.0] {
+        let mut settings = with_harmonics(8);
+        settings.continuation.max_step *= factor;
+        let level = Levels::new(model.clone(), settings).level(FORCE);
+        let [main] = &of_kind(&level, Kind::Main)[..] else { panic!("{level:#?}") };
+        let (low, high) = main.branch.certificate.contact_omega.unwrap();
+        assert!((low / reached - 1.0).abs() < 1e-8, "{low} {reached}");
+        let turn = folds(&main.branch).iter().map(|fold| fold.omega).fold(0.0, f64::max);
+        assert_eq!(high, turn);
+    }
+}
+
+/// A tip on a wide circle slides on; on one hardly wider than its motion it turns round while it presses.
+#[test]
+fn sliding_that_turns_round_is_known() {
+    let slowest = |radius: f64| {
+        let friction = Some(Friction { coefficient: 0.1, radius, sense: 1.0 });
+        let model = Model::builder("tip")
+            .mass([[1.0, 0.0], [0.0, 1.0]])
+            .stiffness([[1.1, -0.3], [-0.3, 1.0]])
+            .damping_ratio(0.01)
+            .force("x1", 1.0)
+            .element(
+                "tip",
+                Contact { gap: 2e-3, epsilon: 2.0, friction },
+                [vec![("x1", 1.0)], vec![("x2", 1.0)], vec![]],
+            )
+            .build()
+            .unwrap();
+        let level = Levels::new(model, with_harmonics(8)).level(1e-4);
+        let [main] = &of_kind(&level, Kind::Main)[..] else { panic!("{level:#?}") };
+        main.branch.certificate.slowest_sliding
+    };
+    assert!(slowest(1.0).is_some_and(|slowest| slowest > 0.9 && slowest < 1.0));
+    let least = slowest(7e-4);
+    assert!(least.is_some_and(|least| least < 0.0), "{least:?}");
 }

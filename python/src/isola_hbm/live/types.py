@@ -502,6 +502,11 @@ class Certificate:
     change_2h: float | None
     #: Frequency there, rad/s.
     change_omega_2h: float | None
+    #: Lowest and highest frequency at which a contact touches, located between points, rad/s; None where none does.
+    contact_omega: tuple[float, float] | None
+    #: Slowest sliding of a contact along the rotation while it presses, over the speed of the rotor there: where it is not above zero the
+    #: sliding stops or turns round, for which the law of friction is not made. None where none with friction presses.
+    slowest_sliding: float | None
 
     @classmethod
     def read(cls, message: dict[str, Any] | None) -> Certificate:
@@ -519,6 +524,8 @@ class Certificate:
             omega_max_2h=high,
             change_2h=elsewhere.get("share"),
             change_omega_2h=elsewhere.get("omega"),
+            contact_omega=tuple(message["contact_omega"]) if message.get("contact_omega") else None,
+            slowest_sliding=message.get("slowest_sliding"),
         )
 
 

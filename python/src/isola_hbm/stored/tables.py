@@ -22,7 +22,7 @@ SUMMARY = [
     *("amplitude", "branch", "kind", "omega_min", "omega_max", "amplitude_max", "omega_at_max", "stable"),
     *("status", "points", "contact_omega_min", "contact_omega_max"),
     *("peak_standing", "family", "penetration", "pressure_beyond", "amplitude_2h", "shift_2h"),
-    *("omega_min_2h", "omega_max_2h", "change_2h", "change_omega_2h"),
+    *("omega_min_2h", "omega_max_2h", "change_2h", "change_omega_2h", "slowest_sliding"),
 ]
 WINDOWS = [
     *("amplitude", "window", "omega_min", "omega_max", "omega_best", "threshold"),

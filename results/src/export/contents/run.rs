@@ -112,7 +112,7 @@ pub(super) fn branches(group: &mut Group<'_>, overview: &Overview) {
     column(group, "omega_max", &rows, |(_, branch)| branch.omega.1);
     column(group, "amplitude_max", &rows, |(_, branch)| branch.amplitude_max);
     column(group, "omega_at_max", &rows, |(_, branch)| branch.omega_at_max);
-    let contact = |branch: &BranchRow| branch.contact_omega.unwrap_or((f64::NAN, f64::NAN));
+    let contact = |branch: &BranchRow| branch.certificate.contact_omega.unwrap_or((f64::NAN, f64::NAN));
     column(group, "contact_omega_min", &rows, |(_, branch)| contact(branch).0);
     column(group, "contact_omega_max", &rows, |(_, branch)| contact(branch).1);
     column(group, "task", &rows, |(_, branch)| branch.task.clone());
@@ -144,7 +144,7 @@ pub(super) fn stability(group: &mut Group<'_>, count: usize, verified: Option<&V
 type Figure = fn(&Certificate) -> Option<f64>;
 
 /// Numbers of a certificate by their names.
-pub(super) const CERTIFICATE: [(&str, Figure); 8] = [
+pub(super) const CERTIFICATE: [(&str, Figure); 9] = [
     ("penetration", |certificate| certificate.penetration),
     ("pressure_beyond", |certificate| certificate.pressure_beyond),
     ("amplitude_2h", |certificate| certificate.doubled.map(|doubled| doubled.amplitude)),
@@ -153,6 +153,7 @@ pub(super) const CERTIFICATE: [(&str, Figure); 8] = [
     ("omega_max_2h", |certificate| Some(certificate.doubled?.range?.1)),
     ("change_2h", |certificate| certificate.elsewhere?.share),
     ("change_omega_2h", |certificate| Some(certificate.elsewhere?.omega)),
+    ("slowest_sliding", |certificate| certificate.slowest_sliding),
 ];
 
 /// The standing of a peak, empty if it is not known.

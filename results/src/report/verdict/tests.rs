@@ -12,6 +12,7 @@ use crate::summary_table::Units;
 use protocol::to_everyone::Stage;
 use solver::response::backbone::BackboneEnd;
 use solver::response::branch::{Outcome, Standing, Stop};
+use solver::response::certificate::Certificate;
 use solver::response::modes::{LeftOut, ModesFollowed};
 use solver::settings::FrequencySettings;
 use std::sync::LazyLock;
@@ -25,7 +26,7 @@ fn branch(kind: &str, number: usize, omega: (f64, f64), amplitude: f64) -> Branc
         omega,
         amplitude_max: amplitude,
         omega_at_max: omega.1,
-        contact_omega: Some(omega),
+        certificate: Certificate { contact_omega: Some(omega), ..Certificate::default() },
         ..BranchRow::default()
     }
 }
@@ -298,7 +299,7 @@ fn a_main_branch_known_in_part_is_no_measure() {
 
 #[test]
 fn what_the_structure_does_of_itself() {
-    let levels = [level(1.0, vec![BranchRow { contact_omega: None, ..main(1e-3) }])];
+    let levels = [level(1.0, vec![BranchRow { certificate: Certificate::default(), ..main(1e-3) }])];
     let [danger, ..] = texts(&levels);
     assert!(danger.contains(" No branch of any level touches a stop. Looked"), "{danger}");
     let [danger, ..] = told(&levels, |evidence| evidence.structure.stops = 0);
