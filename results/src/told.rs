@@ -36,6 +36,11 @@ pub fn range_first_in((low, high): (f64, f64), first: FrequencyUnit) -> String {
     }
 }
 
+/// A number as text with its sign in front.
+pub(crate) fn with_sign(value: f64, text: &str) -> String {
+    if value > 0.0 { format!("+{text}") } else { text.replacen('-', "−", 1) }
+}
+
 fn hertz(omega: f64) -> String {
     digits(FrequencyUnit::Hertz.factor() * omega, 5)
 }
@@ -95,7 +100,7 @@ impl Told {
             Part::Text(text) => text.clone(),
             Part::Frequency { omega, digits: count, signed } => {
                 let text = digits(unit.factor() * omega, i32::from(*count));
-                if *signed && *omega > 0.0 { format!("+{text}") } else { text }
+                if *signed { with_sign(*omega, &text) } else { text }
             }
             Part::Unit { .. } => unit.to_string(),
         };

@@ -41,6 +41,7 @@ function startCompared() {
   const missing = data.runs.flatMap((run, k) => run.missing.map((sentence) => `${data.names[k]}: ${sentence}`));
   document.querySelector("#missing").hidden = missing.length === 0;
   document.querySelector("#missing ul").replaceChildren(...missing.map((sentence) => element("li", {}, sentence)));
+  document.querySelector("#answer").replaceChildren(...data.answer.map((sentence) => element("p", {}, sentence)));
   fillTables(data);
   requestAnimationFrame(() => setTimeout(() => drawCompared(data)));
 }

@@ -1,6 +1,7 @@
 //! Several runs beside each other: what of their studies differs, what each found, level by level, and by how much that is
 //! another.
 
+mod answer;
 mod born;
 mod found;
 mod numbers;
@@ -33,6 +34,8 @@ pub struct Comparison {
     pub levels: Vec<ComparedLevel>,
     /// Keys of the studies that differ.
     pub settings: Vec<SettingRow>,
+    /// By how much the largest responses of each later run differ from those of the first, and at how many levels it has isolas: sentences.
+    pub answer: Vec<String>,
     /// What was found at every level that several runs have, in numbers.
     pub numbers: Vec<NumberRow>,
     /// Levels that only some of the runs have, isolas and births that only one of the first run and another one has, and what is not compared.
@@ -70,12 +73,13 @@ impl Comparison {
         let values: Vec<f64> = levels.iter().map(|level| level.value).collect();
         let figures = ComparedFigures::new(&sides, &values);
         let (settings, numbers) = (settings(&reports), numbers::rows(&reports, &levels));
+        let answer = answer::sentences(&names, &reports, &settings);
         let numbers: Vec<NumberRow> = born::rows(&reports).into_iter().chain(numbers).collect();
         let sentences = (found::lacking(&names, &reports, &levels).into_iter())
             .chain(found::alone(&names, &reports))
             .chain(found::not_compared(&reports))
             .collect();
-        Self { settings, numbers, sentences, figures, names, levels, reports }
+        Self { settings, answer, numbers, sentences, figures, names, levels, reports }
     }
 }
 

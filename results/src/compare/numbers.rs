@@ -5,7 +5,7 @@ use crate::overview::Level;
 use crate::report::Report;
 use crate::store::BranchRow;
 use crate::summary_table::{LengthUnit, wrapped};
-use crate::told::{Told, length_in};
+use crate::told::{Told, length_in, with_sign};
 use crate::words::digits;
 use comfy_table::{ContentArrangement, Table, presets::UTF8_FULL_CONDENSED};
 use serde::Serialize;
@@ -77,8 +77,7 @@ fn of_peak(peak: &BranchRow, first: Option<&BranchRow>, is_measured: bool, unit:
 }
 
 fn signed(value: f64, count: i32) -> String {
-    let text = digits(value, count);
-    if value > 0.0 { format!("+{text}") } else { text }
+    with_sign(value, &digits(value, count))
 }
 
 /// `3: 2133.2–2149.8, 2178.3–2513, 2537.6–2701.3 rad/s`, others than isolas with their kinds.
@@ -94,7 +93,7 @@ fn of_others(level: &Level) -> Told {
     further.iter().fold(begin, |told, row| told.text(", ").then(range(row))).unit()
 }
 
-/// The numbers as a table for a terminal, and below it what only one of two runs has.
+/// What differs most, the numbers as a table for a terminal, and below it what only one of two runs has.
 pub fn table(comparison: &Comparison, width: u16) -> String {
     let mut table = Table::new();
     table.load_preset(UTF8_FULL_CONDENSED);
@@ -115,5 +114,6 @@ pub fn table(comparison: &Comparison, width: u16) -> String {
         table.add_row([amplitude.clone(), what.to_string()].into_iter().chain(values));
     }
     let sentences = comparison.sentences.iter().map(|told| wrapped(&told.read_in(unit), width, "") + "\n");
-    format!("{table}\n{}", sentences.collect::<String>())
+    let answer = comparison.answer.iter().map(|sentence| wrapped(sentence, width, "") + "\n");
+    format!("{}{table}\n{}", answer.collect::<String>(), sentences.collect::<String>())
 }

@@ -23,6 +23,7 @@ pub struct ComparedData<'c> {
     figures: BTreeMap<&'static str, Figure>,
     nothing: &'c BTreeMap<&'static str, String>,
     settings: &'c [SettingRow],
+    answer: &'c [String],
     numbers: &'c [NumberRow],
     sentences: &'c [Told],
 }
@@ -38,7 +39,7 @@ struct Branch<'c> {
 impl<'c> ComparedData<'c> {
     /// Of a comparison: labels are placed for the page here.
     pub fn new(comparison: &'c Comparison) -> Self {
-        let Comparison { names, reports, levels, settings, numbers, sentences, figures } = comparison;
+        let Comparison { names, reports, levels, settings, answer, numbers, sentences, figures } = comparison;
         let mut drawn = figures.drawn.clone();
         let font = Font::bundled();
         // Those of the first run, as in files.
@@ -67,6 +68,7 @@ impl<'c> ComparedData<'c> {
             figures: drawn,
             nothing: &figures.nothing,
             settings,
+            answer,
             numbers,
             sentences,
         }
