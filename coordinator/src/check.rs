@@ -71,6 +71,7 @@ pub fn report(study: &Study) -> String {
         .into_iter()
         .chain(early::warnings(study, touch.as_ref()))
         .chain(damping::without(study))
+        .chain(damping::heavy(model, &study.settings))
         .chain(undetermined(model))
         .chain(softening::warnings(study))
         .chain(laws::warnings(study, weight.as_ref()));

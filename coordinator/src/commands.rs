@@ -43,7 +43,7 @@ pub fn execute(cli: Cli) -> Result<ExitCode, Error> {
         }
         Command::Schema(args) => schema(&args),
         Command::Cert(args) => show(certificates::make(&args)?),
-        Command::Check(args) => show(check::report(&load(&args.study, &args.study.changes(args.units))?)),
+        Command::Check(args) => checked(&load(&args.study, &args.study.changes(args.units))?),
         Command::Export(args) => outputs::export(&args),
         #[cfg(feature = "page")]
         Command::Report(args) => outputs::report(&args),
@@ -103,6 +103,15 @@ fn schema(args: &SchemaArgs) -> Result<ExitCode, Error> {
         Some(key) => show(reference::explain(key).map_err(Error::Usage)?),
         None => show(format_args!("{:#}\n", reference::schema(args.file))),
     }
+}
+
+/// Shows what a study holds.
+///
+/// # Errors
+/// If that cannot be written, and if no sweep of it can begin.
+fn checked(study: &Study) -> Result<ExitCode, Error> {
+    let shown = show(check::report(study))?;
+    check::without_backbone(&study.model, &study.settings).map_or(Ok(shown), |why| Err(Error::NoBackbone(why)))
 }
 
 /// Writes what a command was asked for.
@@ -242,7 +251,9 @@ async fn disturb(args: DisturbArgs) -> Result<Ending, Error> {
         let why = match (store.isolas()?.is_empty(), store.pushes()?.is_empty()) {
             (true, _) => "no isola was found: there is nothing to be pushed onto",
             (_, false) => "nothing is left to be pushed: every isola that can be settled on was, in these modes",
-            _ => "nothing is left to be pushed: isolas without a stable part cannot be settled on",
+            _ => {
+                "nothing is left to be pushed: of no isola a part is known to be stable, and only on such a motion settles"
+            }
         };
         terminal::note(why);
     }

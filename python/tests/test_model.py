@@ -152,6 +152,7 @@ def test_elements_are_written_as_the_file_wants_them(tmp_path: Path) -> None:
         ({"forcing": "x1"}, "forcing = 'x1': a list of 2 numbers is needed, a force for each dof"),
         ({"forcing": {1, 2}}, "forcing: no list of real numbers"),
         ({"forcing": {"shape": {"dofs": {"z": 1.0}}}}, "forcing: no dof `z`; there are x1, x2"),
+        ({"forcing": {"x1": 1.0}}, 'forcing: no key `x1`; there are shape, harmonic; as {"shape": {"dofs": {"x1": 1}}}'),
         ({"forcing": {"shape": None}}, r"forcing: shape = None \(NoneType\)"),
         (
             {"dofs": ["main", "nes"], "forcing": {"shape": {"dofs": {"mian": 1.0}}}},

@@ -56,6 +56,21 @@ pub(super) fn overdamped(model: &Model, settings: &Settings) -> Vec<String> {
     followed.into_iter().filter_map(|mode| of_mode(model, settings, mode)).collect()
 }
 
+/// A damping ratio that structures hardly have, and that may be one in percent.
+const HEAVY: f64 = 0.2;
+
+/// Of the modes that are followed the most damped one, if it is damped more than structures are: a sentence.
+pub(super) fn heavy(model: &Model, settings: &Settings) -> Option<String> {
+    let ratio = |mode: usize| model.damping().rates()[mode] / (2.0 * model.modes().frequencies[mode]);
+    let ratios = ModesFollowed::choose(model, settings).followed.into_iter().map(|mode| (mode, ratio(mode)));
+    let (mode, ratio) = ratios.filter(|(_, ratio)| (HEAVY..1.0).contains(ratio)).max_by(|a, b| a.1.total_cmp(&b.1))?;
+    Some(format!(
+        "mode {} has a damping ratio of {}, which is a lot: ratios are shares of 1, not percent",
+        mode + 1,
+        digits(ratio, 3)
+    ))
+}
+
 /// The same of the primary mode, without which there is no sweep.
 pub(super) fn overdamped_primary(model: &Model, settings: &Settings) -> Option<String> {
     of_mode(model, settings, settings.tracked(model))

@@ -114,7 +114,7 @@ fn nothing_nonlinear(model: &Model) -> Option<String> {
     model
         .elements()
         .is_empty()
-        .then(|| "nothing is nonlinear: neither contact nor laws are given, and there can be no isola".into())
+        .then(|| "nothing is nonlinear: neither contact nodes ([[contact.nodes]]) nor laws ([[laws]]) are given, and there can be no isola".into())
 }
 
 /// Of a force that drives no mode that vibrates.

@@ -247,6 +247,20 @@ fn a_mode_that_does_not_vibrate() {
     assert!(!warnings.iter().any(|warning| warning.contains("overdamped")), "{text}");
 }
 
+#[test]
+fn a_damping_ratio_that_may_be_one_in_percent() {
+    let damped = |ratio: &str| {
+        let law = with_law("{ polynomial_spring = { terms = [{ power = 3, coefficient = 2e8 }] } }");
+        let (warnings, _) = checked(&law.replace("ratio = 1e-2", &format!("ratio = {ratio}")), "20", &[]);
+        warnings.into_iter().filter(|warning| warning.contains("ratio")).collect::<Vec<_>>()
+    };
+    assert_eq!(
+        damped("0.5"),
+        ["mode 1 has a damping ratio of 0.5, which is a lot: ratios are shares of 1, not percent"]
+    );
+    assert_eq!(damped("0.1"), [] as [&str; 0]);
+}
+
 /// Two masses on a spring between them, which nothing but this holds.
 #[test]
 fn a_structure_that_may_be_anywhere() {

@@ -230,6 +230,10 @@ class Model:
         """The section of the forcing."""
         if isinstance(given, Mapping):
             section = _section("forcing", given)
+            for key in section:
+                if key not in ("shape", "harmonic"):
+                    example = f'{{"shape": {{"dofs": {{"{key}": 1}}}}}}' if key in self.dofs else _EXAMPLES["forcing"]
+                    raise BadModel(f"forcing: no key `{key}`; there are shape, harmonic; as {example}")
             shape = section.get("shape")
             driven = shape.get("dofs") if isinstance(shape, Mapping) else None
             for dof in driven if isinstance(driven, Mapping) else ():

@@ -62,7 +62,7 @@ impl Marking {
         let (unstable_width, unknown_width) = (width(self.of_mains.0), width(self.of_mains.1));
         let entries = [
             (self.has_unstable, unstable.to_string(), Style::line(color, unstable_width).with_dash(1)),
-            (self.has_unknown, NOT_KNOWN.into(), Style::line(color.pale(), unknown_width + style::SPILL)),
+            (self.has_unknown, NOT_KNOWN.into(), Style::line(color.pale(), unknown_width + style::EDGE)),
             (self.is_unverified, format!("{NOT_KNOWN}: {UNVERIFIED}"), Style::line(color, BOLD)),
         ];
         let shown = entries.into_iter().filter(|(is_there, ..)| *is_there);
@@ -77,7 +77,7 @@ impl Marking {
         axes: (&Axis, &[Axis]),
         columns: &mut ColumnStore,
     ) -> Vec<Series> {
-        let pale = Style::line(curve.style.color.pale(), curve.style.width + style::SPILL);
+        let pale = Style::line(curve.style.color.pale(), curve.style.width + style::EDGE);
         let unknown = self.has_unknown.then(|| unknown(branch, curve));
         let parts = [unknown.map(|is_there| (is_there, pale)), Some((gaps(branch), Style::gaps(curve.style.width)))];
         let drawn =

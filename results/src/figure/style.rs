@@ -127,7 +127,9 @@ impl Style {
 /// Lengths of gaps and of what is left between them.
 const GAPS: [f64; 2] = [2.5, 4.0];
 /// By how much what covers a line is wider, so that nothing of its edges shines through.
-pub(super) const SPILL: f64 = 0.6;
+const SPILL: f64 = 0.6;
+/// The same of what is pale, which has to look no bolder than the line below it: of its edges little shines through.
+pub(super) const EDGE: f64 = 0.25;
 
 /// Patterns that are told apart without colours.
 const DASHES: [&[f64]; 5] = [&[], &[5.0, 2.5], &[1.2, 1.8], &[6.0, 2.0, 1.2, 2.0], &[9.0, 3.0]];

@@ -3,7 +3,6 @@
 use super::level::Level;
 use crate::store::BranchRow;
 use crate::words::digits;
-use solver::response::certificate::Standing;
 
 /// A peak of which neither amplitude nor frequency changes by more than this with twice the harmonics is taken to be converged, and a branch
 /// that is not moved farther.
@@ -11,18 +10,6 @@ pub(super) const CONVERGED: f64 = 0.01;
 
 /// A penetration, relative to the gap, from which it is told.
 const DEEP: f64 = 0.01;
-
-/// What is put before and behind the largest amplitude of a branch: that it is larger still beyond the end of what is known of it can only be
-/// said where that much of it has converged, as is taken for granted of runs of programs that did not look.
-pub fn around_largest(row: &BranchRow) -> [&'static str; 2] {
-    let share = row.certificate.elsewhere.map_or(Some(0.0), |change| change.share);
-    match (row.peak_standing, share) {
-        (Some(Standing::AtLeast), Some(share)) if share <= CONVERGED => ["at least ", ""],
-        (Some(Standing::AtLeast), Some(_)) => ["", " (not converged in H)"],
-        (Some(Standing::AtLeast), None) => ["", " (not known to have converged in H)"],
-        _ => ["", ""],
-    }
-}
 
 /// The branch that twice the harmonics move most at a point, if that is farther than `least`: where, how far, and the remedy. `frequency`
 /// writes one, of rad/s.

@@ -1,6 +1,7 @@
 //! What a run has found so far, level by level, as the store has it: branches, windows and what became of them; and what
 //! is missing.
 
+mod around_largest;
 mod beginnings;
 mod bounds;
 mod confirmed;
@@ -36,11 +37,11 @@ mod unfinished;
 mod verified;
 mod windows;
 
+pub use around_largest::around_largest;
 pub use beginnings::{beginning, is_begun};
 pub use bounds::{beyond, bounds, is_within, reach_sentence};
 pub use confirmed::{is_unconfirmed, is_unmatched};
 pub use doubts::{doubts, ends_far_beyond, ends_near};
-pub use elsewhere::around_largest;
 pub use event_words::{BIRTH, DEATH, EVENTS, EventWords, MERGE, MERGES};
 pub use events::events_sentence;
 pub use excitation::{Excitation, Unforced};

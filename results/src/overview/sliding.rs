@@ -17,8 +17,8 @@ pub fn turned_sliding(levels: &[Level]) -> Option<String> {
         more => format!(" and {more} more branches"),
     };
     Some(format!(
-        "Sliding stops or turns round while a contact presses on {} at A = {}{more}: friction is computed as that of a tip that slides on all the \
-         time, so that what is said of {} is not certain.",
+        "Sliding stops or turns round while a contact presses on {} at A = {}{more}: the law of friction knows no \
+         sticking, and is summed up less exactly there, so that what is said of {} is not certain.",
         super::in_words(row),
         level.amplitude,
         if turned.len() == 1 { "it" } else { "them" }
@@ -45,8 +45,8 @@ mod tests {
         assert_eq!(said(&[None, Some(0.2)]), None);
         assert_eq!(
             said(&[None, Some(0.2), Some(-0.1)]).unwrap(),
-            "Sliding stops or turns round while a contact presses on isola 3 at A = 2: friction is computed as that of a tip that slides on all the \
-             time, so that what is said of it is not certain."
+            "Sliding stops or turns round while a contact presses on isola 3 at A = 2: the law of friction knows no \
+             sticking, and is summed up less exactly there, so that what is said of it is not certain."
         );
         let said = said(&[Some(0.0), Some(-0.2), Some(-0.1)]).unwrap();
         assert!(said.contains("on isola 2 at A = 2 and 2 more branches:") && said.contains("of them"), "{said}");

@@ -15,6 +15,9 @@ const SAME_WIDTH: f64 = 0.05;
 /// Changes below this are not told with a number.
 const NEGLIGIBLE: f64 = 1e-4;
 
+/// A penetration, relative to the gap, that is told wherever it is.
+const FAR_IN: f64 = 0.05;
+
 /// An amplitude that changes by less is the same but for rounding. If it is found at another frequency the branch is flat, as where
 /// contact holds: where its largest amplitude lies says nothing.
 const SAME_AMPLITUDE: f64 = 1e-9;
@@ -82,7 +85,23 @@ pub fn truncation(
         return Some(unchanged(&format!("{peaks} and widths of isolas"), harmonics));
     }
     said.extend(widths);
+    said.extend(deepest(rows(), &said));
     (!said.is_empty()).then(|| said.join(" "))
+}
+
+/// How far rigid contacts are penetrated at most, where that is a lot and harmonics are asked for; nothing if it was said.
+fn deepest<'l>(rows: impl Iterator<Item = (&'l Level, &'l BranchRow)>, said: &[String]) -> Option<String> {
+    let depths = rows.filter_map(|(level, row)| Some((level, row, row.certificate.penetration?)));
+    let (level, row, depth) = depths.max_by(|a, b| a.2.total_cmp(&b.2)).filter(|(.., depth)| *depth > FAR_IN)?;
+    let percent = format!("{} % of the gap", digits(100.0 * depth, 2));
+    let is_new = said.iter().any(|sentence| asks_for_harmonics(sentence)) && !said.iter().any(|s| s.contains(&percent));
+    is_new.then(|| {
+        format!(
+            "Rigid contacts are penetrated by up to {percent}, on {} at A = {}.",
+            super::in_words(row),
+            level.amplitude
+        )
+    })
 }
 
 /// The same of a run, as far as its model and settings are known; `is_further`: of a further order of motions.
@@ -215,6 +234,11 @@ pub fn asks_for_harmonics(sentence: &str) -> bool {
     sentence.contains("set harmonics.count")
 }
 
+/// Whether the peak of a branch changes with twice the harmonics, or none is found near it.
+pub(super) fn has_moved(row: &BranchRow) -> bool {
+    has_maximum(row) && change(row).is_none_or(|change| largest(change) > CONVERGED)
+}
+
 /// Whether the largest amplitude of a branch is that of a maximum. Of one that branches off another, or runs on to a known one, it may be
 /// where they meet.
 fn has_maximum(row: &BranchRow) -> bool {
@@ -242,7 +266,7 @@ mod tests {
 
     fn row(kind: &str, amplitude_2h: Option<f64>) -> BranchRow {
         let doubled = amplitude_2h.map(|amplitude| Doubled { amplitude, shift: 0.0, range: None });
-        let certificate = Certificate { penetration: Some(0.13), doubled, ..Certificate::default() };
+        let certificate = Certificate { penetration: Some(0.013), doubled, ..Certificate::default() };
         BranchRow {
             kind: kind.into(),
             number: 1,
@@ -274,6 +298,32 @@ mod tests {
         let expected =
             format!("Largest peaks change by less than 0.01 % with twice the harmonics (H = 20). {UNKNOWN_ENDS}");
         assert_eq!(said(Standing::AtLeast), expected);
+    }
+
+    /// The peak that changes most need not be where contacts are penetrated most.
+    #[test]
+    fn the_deepest_penetration_is_told_once() {
+        let deep = |share: f64, row: BranchRow| {
+            let certificate = Certificate { penetration: Some(share), ..row.certificate };
+            BranchRow { certificate, ..row }
+        };
+        let said = |branches| truncation(&levels(branches), 10, 3).unwrap();
+        let lost = said(vec![deep(2.88, row("main", Some(1.0))), deep(0.02, row("isola", Some(1.1)))]);
+        assert!(
+            lost.ends_with(" Rigid contacts are penetrated by up to 288 % of the gap, on the main branch at A = 60."),
+            "{lost}"
+        );
+        let own = said(vec![deep(0.01, row("main", Some(1.0))), deep(0.3, row("isola", Some(1.1)))]);
+        assert!(own.contains("its contact penetrates by 30 % of the gap") && !own.contains("Rigid contacts"), "{own}");
+        let converged = said(vec![deep(2.88, row("main", Some(1.0)))]);
+        assert!(!converged.contains("penetrated"), "{converged}");
+    }
+
+    #[test]
+    fn peaks_that_move_with_more_harmonics() {
+        let at = |row| has_moved(&BranchRow { peak_standing: Some(Standing::At), ..row });
+        assert!(at(row("main", None)) && at(row("isola", Some(1.02))) && !at(row("main", Some(1.001))));
+        assert!(!has_moved(&BranchRow { peak_standing: Some(Standing::AtLeast), ..row("main", None) }));
     }
 
     /// Where a branch meets a known one it may be largest, and nothing is looked for there.
@@ -315,7 +365,7 @@ mod tests {
             truncation(&moved, 10, 3).unwrap(),
             format!(
                 "Not converged in H: with twice the harmonics the peak of isola 1 at A = 60 changes by -20 %, and its contact \
-                 penetrates by 13 % of the gap; set harmonics.count = 20. {UNKNOWN_ENDS}"
+                 penetrates by 1.3 % of the gap; set harmonics.count = 20. {UNKNOWN_ENDS}"
             )
         );
         let lost = levels(vec![row("main", Some(1.0)), row("isola", None)]);
@@ -333,7 +383,7 @@ mod tests {
             truncation(&levels(vec![shifted]), 10, 3).unwrap(),
             format!(
                 "Not converged in H: with twice the harmonics the peak of isola 1 at A = 60 changes by 0.1 % and its frequency by \
-                 1.7 %, and its contact penetrates by 13 % of the gap; set harmonics.count = 20. {UNKNOWN_ENDS}"
+                 1.7 %, and its contact penetrates by 1.3 % of the gap; set harmonics.count = 20. {UNKNOWN_ENDS}"
             )
         );
     }

@@ -3,7 +3,7 @@
 use super::levels::BranchRow;
 use super::number::number;
 use super::{Reader, Result};
-use solver::curve::extrema::further_peaks;
+use solver::curve::extrema::{further_peaks, standing_peaks};
 
 impl Reader {
     /// The largest amplitude (m) of every monitored dof on a branch, and the number of the point; none of a branch whose motions cannot be
@@ -15,11 +15,12 @@ impl Reader {
         Ok(self.amplitudes(branch)?.into_iter().filter_map(largest).collect())
     }
 
-    /// Frequency (rad/s) and amplitude (m, of the first monitored dof) of the peaks of a branch that stand out, without the largest.
-    pub(crate) fn further_peaks(&self, branch: &BranchRow) -> Result<Vec<(f64, f64)>> {
+    /// Frequency (rad/s) and amplitude (m, of the first monitored dof) of the peaks of a branch that stand out, with the largest or without.
+    pub(crate) fn standing_peaks(&self, branch: &BranchRow, with_largest: bool) -> Result<Vec<(f64, f64)>> {
         let Some(amplitude) = self.amplitudes(branch)?.into_iter().next() else { return Ok(Vec::new()) };
         let mut peaks = Vec::new();
-        for point in further_peaks(&amplitude) {
+        let found = if with_largest { standing_peaks(&amplitude) } else { further_peaks(&amplitude) };
+        for point in found {
             peaks.extend(self.omega_at(branch, point)?.map(|omega| (omega, amplitude[point])));
         }
         Ok(peaks)

@@ -3,7 +3,7 @@
 use super::LEVELS;
 use super::monitors::{self, Largest};
 use crate::overview::{Level, Omissions, Overview, bounds, doubts};
-use crate::store::{CurveRow, MotionRow, PushRow, Reader, Result, SearchCounts};
+use crate::store::{BranchRow, CurveRow, MotionRow, PushRow, Reader, Result, SearchCounts};
 use protocol::backbone::BackboneMessage;
 use protocol::curve::Size;
 use protocol::to_everyone::Stage;
@@ -23,8 +23,8 @@ pub(super) struct Known {
     pub monitors: Vec<String>,
     /// How far the others move at most.
     pub others: Vec<Largest>,
-    /// Frequency (rad/s) and amplitude (m) of the peaks of main branches that stand out beside the largest one, of the levels shown: with the
-    /// branch's key.
+    /// Frequency (rad/s) and amplitude (m) of the peaks of main branches that stand out beside the one that the table begins with, of the
+    /// levels shown: with the branch's key.
     pub further_peaks: Vec<(i64, Vec<(f64, f64)>)>,
     /// Settings of the study.
     pub settings: Option<Settings>,
@@ -68,8 +68,9 @@ impl Known {
         let names = |model: &Model| model.monitors().iter().map(|&dof| model.dofs()[dof].clone()).collect();
         let monitors: Vec<String> = model.as_ref().map(names).unwrap_or_default();
         let others = monitors::others(reader, &overview.levels, &monitors);
-        let mains = overview.levels.iter().take(LEVELS).flat_map(Level::mains);
-        let peaks: Result<_> = mains.map(|row| Ok((row.id, reader.further_peaks(row)?))).collect();
+        let peaks: Result<Vec<_>> =
+            overview.levels.iter().take(LEVELS).map(|level| further_peaks(reader, level)).collect();
+        let peaks = peaks.map(|peaks| peaks.concat());
         let decoded = |message: BackboneMessage| {
             (message.mode, model.as_ref().and_then(|model| message.backbone(&Size::of(model)).ok()))
         };
@@ -117,4 +118,12 @@ impl Known {
     pub fn bounds(&self) -> FrequencySettings {
         bounds(self.given, self.reached, self.is_further)
     }
+}
+
+/// The peaks of the main branches of a level beside those that the table begins with, each with the branch's key: of a curve that was found
+/// in pieces those of the others stand for themselves.
+fn further_peaks(reader: &Reader, level: &Level) -> Result<Vec<(i64, Vec<(f64, f64)>)>> {
+    let first = level.main().map(|row| row.id).filter(|_| level.main_curves() == 1);
+    let of = |row: &BranchRow| Ok((row.id, reader.standing_peaks(row, first.is_some_and(|first| first != row.id))?));
+    level.mains().map(of).collect()
 }

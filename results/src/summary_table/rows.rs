@@ -119,14 +119,17 @@ impl<'r> Rows<'r> {
         format!("{}{} at {}{bound}", row.at_least(), length.digits(row.amplitude_max), frequency.digits(omega))
     }
 
-    /// The peaks of a main branch at its other resonances, a line each.
-    fn further(&self, row: &BranchRow) -> String {
+    /// The peaks of main branches at their other resonances, a line each.
+    fn further<'l>(&self, rows: impl Iterator<Item = &'l BranchRow>) -> String {
         let Units { length, frequency } = self.units;
         let line =
             |(omega, size): &(f64, f64)| format!("\nand {} at {}", length.digits(*size), frequency.digits(*omega));
-        let peaks = self.peaks.iter().filter(|(key, _)| *key == row.id).flat_map(|(_, peaks)| peaks);
-        let mut lines: Vec<String> = peaks.clone().take(FURTHER).map(line).collect();
-        if let Some(more) = peaks.count().checked_sub(FURTHER + 1) {
+        let keys: Vec<i64> = rows.map(|row| row.id).collect();
+        let own = self.peaks.iter().filter(|(key, _)| keys.contains(key));
+        let mut peaks: Vec<&(f64, f64)> = own.flat_map(|(_, peaks)| peaks).collect();
+        peaks.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let mut lines: Vec<String> = peaks.iter().copied().take(FURTHER).map(line).collect();
+        if let Some(more) = peaks.len().checked_sub(FURTHER + 1) {
             lines.push(format!("\nand {} more", more + 1));
         }
         lines.concat()
@@ -154,11 +157,11 @@ impl<'r> Rows<'r> {
         let marks: Vec<String> = marks.collect();
         // One curve has one largest response, in however many pieces it was found.
         if let Some(row) = level.main().filter(|_| level.main_curves() == 1) {
-            return format!("{}{}{}{}", self.peak(row), marks.concat(), self.outside(row), self.further(row));
+            return format!("{}{}{}{}", self.peak(row), marks.concat(), self.outside(row), self.further(level.mains()));
         }
         let peaks = level.mains().zip(marks).map(|(row, mark)| {
             let piece = if row.joints() > 0 { self.notes.mark(PIECE.into()) } else { String::new() };
-            format!("{}{mark}{piece}{}{}", self.peak(row), self.outside(row), self.further(row))
+            format!("{}{mark}{piece}{}{}", self.peak(row), self.outside(row), self.further(std::iter::once(row)))
         });
         peaks.collect::<Vec<_>>().join("\n")
     }

@@ -40,11 +40,16 @@ const RISE: f64 = 2.0;
 /// Indices of the peaks of a sequence of positive numbers that stand out, ascending, without the largest of all: an amplitude has one at every
 /// resonance.
 pub fn further_peaks(values: &[f64]) -> Vec<usize> {
+    let largest = (0..values.len()).max_by(|&a, &b| values[a].total_cmp(&values[b]));
+    standing_peaks(values).into_iter().filter(|&i| Some(i) != largest).collect()
+}
+
+/// The same with the largest of all, if it stands out as well: an end does not.
+pub fn standing_peaks(values: &[f64]) -> Vec<usize> {
     let logs: Vec<f64> = values.iter().map(|value| value.ln()).collect();
-    let largest = (0..logs.len()).max_by(|&a, &b| logs[a].total_cmp(&logs[b]));
-    let ends = [0, logs.len().saturating_sub(1)];
-    let turns = turning_points(&logs, RISE.ln()).into_iter();
-    turns.filter(|&(i, is_peak)| is_peak && Some(i) != largest && !ends.contains(&i)).map(|(i, _)| i).collect()
+    let falls = |i: usize, side: &[f64]| side.iter().any(|value| RISE * value < values[i]);
+    let turns = turning_points(&logs, RISE.ln()).into_iter().filter(|(_, is_peak)| *is_peak).map(|(i, _)| i);
+    turns.filter(|&i| falls(i, &values[..i]) && falls(i, &values[i + 1..])).collect()
 }
 
 /// Relative error up to which a parabola predicts a value.
@@ -212,6 +217,9 @@ mod tests {
         // Neither what hardly falls before it rises again nor an end is.
         assert_eq!(further_peaks(&[1.0, 9.0, 4.0, 5.0, 3.0, 6.5, 7.0]), [] as [usize; 0]);
         assert_eq!(further_peaks(&[]), [] as [usize; 0]);
+        assert_eq!(standing_peaks(&[1.0, 9.0, 2.0, 5.0, 1.0]), [1, 3]);
+        assert_eq!(standing_peaks(&[9.0, 2.0, 5.0, 1.0]), [2]);
+        assert_eq!(standing_peaks(&[1.0, 2.0, 9.0, 5.0]), [] as [usize; 0]);
     }
 
     /// Where what is largest has a corner, the vertex of a parabola may be one of its points by chance, and is not the maximum.

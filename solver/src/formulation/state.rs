@@ -58,11 +58,11 @@ impl State {
         state
     }
 
-    /// The same motion as a series of `harmonics` harmonics, at least as many as it has.
+    /// The same motion as a series of `harmonics` harmonics: those that it has, as far as there are as many, others are zero.
     pub fn with_harmonics(&self, harmonics: usize) -> State {
         let (from, to) = (width(self.harmonics), width(harmonics));
         let longer = |series: &[f64]| {
-            series.chunks(from).flat_map(|s| s.iter().copied().chain(std::iter::repeat_n(0.0, to - from))).collect()
+            series.chunks(from).flat_map(|s| s.iter().copied().chain(std::iter::repeat(0.0)).take(to)).collect()
         };
         State { harmonics, arguments: longer(&self.arguments), modal: longer(&self.modal), ..*self }
     }

@@ -18,6 +18,8 @@ pub struct Account {
     /// Work that the contact pressures take from the structure, in J: impacts only, since neither a steady contact nor a
     /// release takes any.
     pub impacts: f64,
+    /// Of the impact that takes most: what it takes, and the kinetic energy before it, in J.
+    pub hardest: (f64, f64),
 }
 
 impl<'m> Marching<'m> {
@@ -175,7 +177,11 @@ impl<'m> Marching<'m> {
     #[inline(always)]
     pub(crate) fn balance(&self, account: &mut Account) {
         if !self.contacts.touching().is_empty() {
-            account.impacts += self.contacts.work(&self.increment, &self.next);
+            let taken = self.contacts.work(&self.increment, &self.next);
+            account.impacts += taken;
+            if taken > account.hardest.0 {
+                account.hardest = (taken, 0.5 * dot(&self.increment, &self.increment) / (self.step * self.step));
+            }
         }
         let motion = 0.5 * (dot(&self.forcing, &self.increment) + dot(&self.forcing, &self.next));
         let work = self.phases.cosine(self.index) * motion;

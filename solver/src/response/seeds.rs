@@ -8,9 +8,8 @@ use crate::formulation::state::State;
 use crate::response::backbone::{Backbone, BackbonePoint};
 use crate::response::forced::Forced;
 use crate::response::forcing::{Unreached, from_rest, through_motion};
-use crate::response::windows::Window;
+use crate::response::windows::{Window, crossing};
 use serde::{Deserialize, Serialize};
-use std::ops::RangeInclusive;
 use thiserror::Error;
 
 /// The two time shifts per backbone point at which the forcing does the right work.
@@ -230,25 +229,16 @@ fn land_by_forcing<'m, F: Formulation<'m>>(
 }
 
 /// Places to try. Near the edges of a window, where A* is close to A, the forced response crosses the backbone and the
-/// prediction is nearly exact; far inside, where the forcing exceeds what is dissipated many times, it is poor. Edges are
-/// interpolated: a window may hold no more than a point or two.
+/// prediction is nearly exact; far inside, where the forcing exceeds what is dissipated many times, it is poor. They do not depend on where
+/// the points of the backbone lie, which its steps decide.
 fn places(backbone: &Backbone, window: &Window, method: LandingMethod, forcing: f64) -> Vec<f64> {
-    let nearest = |indices: RangeInclusive<usize>, ratio: f64| {
-        let distance = |i: usize| (backbone.points[i].threshold() / forcing - ratio).abs();
-        indices.min_by(|&a, &b| distance(a).total_cmp(&distance(b))).unwrap_or(window.best)
-    };
-    let edge = |indices: RangeInclusive<usize>, inside: usize, outside: Option<usize>| {
-        let crossing = outside.and_then(|outside| crossing(backbone, inside, outside, 0.9 * forcing));
-        crossing.unwrap_or(nearest(indices, 0.9) as f64)
-    };
-    let (left, right) = (window.first..=window.best, window.best..=window.last);
-    let inner = nearest(right.clone(), 0.5) as f64;
-    let piece = |index: usize| backbone.points.get(index).map(BackbonePoint::piece);
-    let outside = |index: Option<usize>| index.filter(|&index| piece(index) == piece(window.first));
-    let (before, after) = (outside(window.first.checked_sub(1)), outside(Some(window.last + 1)));
-    let edges = [edge(right, window.last, after), edge(left, window.first, before)];
-    let span = (window.last - window.first) as f64;
-    let between = [0.5, 0.25, 0.75].map(|share| (window.first as f64 + share * span).round());
+    let beyond = |index: Option<usize>| index.filter(|&index| is_same_piece(backbone, index, window.best));
+    let ahead = || (window.best..=window.last).chain(beyond(Some(window.last + 1)));
+    let back = || (window.first..=window.best).rev().chain(beyond(window.first.checked_sub(1)));
+    let inner = passing(backbone, ahead(), window, 0.5 * forcing);
+    let edges = [passing(backbone, ahead(), window, 0.9 * forcing), passing(backbone, back(), window, 0.9 * forcing)];
+    let [end, begin] = edges.map(|place| arc(backbone, place));
+    let between = [0.5, 0.25, 0.75].map(|share| place_at(backbone, window, begin + share * (end - begin)));
     let all: Vec<f64> = match method {
         // A branch is followed from where the first of them lands: better not from its folds.
         LandingMethod::FullForcing => [inner, window.best as f64].into_iter().chain(between).chain(edges).collect(),
@@ -264,11 +254,41 @@ fn places(backbone: &Backbone, window: &Window, method: LandingMethod, forcing: 
     list
 }
 
-/// Where the balance passes ±`level` between a point below it and a neighbouring point above it.
-fn crossing(backbone: &Backbone, inside: usize, outside: usize, level: f64) -> Option<f64> {
-    let balance = |index: usize| backbone.points[index].energies().balance();
-    let (from, to) = (balance(inside), balance(outside));
-    let share = (level.copysign(to) - from) / (to - from);
-    let forwards = if outside > inside { share } else { -share };
-    (0.0..=1.0).contains(&share).then_some(inside as f64 + forwards)
+/// Whether a point is one of the piece of another one.
+fn is_same_piece(backbone: &Backbone, index: usize, other: usize) -> bool {
+    backbone.points.get(index).is_some_and(|point| point.piece() == backbone.points[other].piece())
+}
+
+/// The first place at which A* passes `level` on a way from the lowest point of a window to the next one beyond its end; where it does not, the
+/// end of the window.
+fn passing(backbone: &Backbone, way: impl Iterator<Item = usize>, window: &Window, level: f64) -> f64 {
+    let threshold = |index: usize| backbone.points[index].threshold();
+    let mut here = window.best;
+    for next in way {
+        if threshold(next) >= level {
+            let share = if next == here { 0.0 } else { crossing(threshold(here), threshold(next), level) };
+            return here as f64 + share * (next as f64 - here as f64);
+        }
+        if (window.first..=window.last).contains(&next) {
+            here = next;
+        }
+    }
+    here as f64
+}
+
+/// Scaled arc length at a place.
+fn arc(backbone: &Backbone, place: f64) -> f64 {
+    let index = place as usize;
+    let from = backbone.points[index].arc();
+    let to = backbone.points.get(index + 1).map_or(from, BackbonePoint::arc);
+    from + (place - index as f64) * (to - from)
+}
+
+/// The place of a window, or of the steps beside it, at an arc length.
+fn place_at(backbone: &Backbone, window: &Window, at: f64) -> f64 {
+    let begin = window.first.saturating_sub(1);
+    let beyond = (begin..=window.last).find(|&index| backbone.points.get(index + 1).is_none_or(|next| next.arc() > at));
+    let index = beyond.unwrap_or(window.last);
+    let [from, to] = [index, index + 1].map(|i| backbone.points.get(i).map_or(at, BackbonePoint::arc));
+    if to > from { index as f64 + ((at - from) / (to - from)).clamp(0.0, 1.0) } else { index as f64 }
 }

@@ -1,10 +1,16 @@
 //! Whether the tips of a branch slide on all the time that they press, as the law of permanent sliding takes for granted.
 
-use crate::formulation::harmonics::{Transform, differentiate, width};
+use crate::formulation::aft::Aft;
+use crate::formulation::arcs::Coverage;
+use crate::formulation::harmonics::{differentiate, evaluate, width};
 use crate::response::branch::BranchPoint;
 use crate::settings::HarmonicSettings;
 use crate::structure::Model;
 use crate::structure::laws::Law;
+use std::f64::consts::TAU;
+
+/// Instants of an arc of contact at which the speed is looked at, per number of a series.
+const LOOKED_AT: usize = 4;
 
 /// A contact with friction.
 struct Tip {
@@ -24,16 +30,23 @@ pub(super) fn slowest_sliding(model: &Model, truncation: HarmonicSettings, point
     });
     let tips: Vec<Tip> = tips.collect();
     let nc = width(truncation.count);
-    let mut transform = Transform::new(truncation.count, truncation.samples);
-    let [mut pressure, mut speed] = [(); 2].map(|()| vec![0.0; truncation.samples]);
-    let mut slope = vec![0.0; nc];
+    let (mut aft, mut slope) = (Aft::new(truncation), vec![0.0; nc]);
     let mut slowest: Option<f64> = None;
     for (point, tip) in points.iter().flat_map(|point| tips.iter().map(move |tip| (point, tip))) {
         let series = |channel: usize| &point.state.arguments[channel * nc..(channel + 1) * nc];
         differentiate(series(tip.channel + 1), &mut slope);
-        transform.synthesise(series(tip.channel), Some(&slope), &mut pressure, &mut speed);
-        let pressed = pressure.iter().zip(&speed).filter(|(pressure, _)| **pressure > 0.0);
-        slowest = pressed.map(|(_, speed)| 1.0 + tip.share * speed).chain(slowest).reduce(f64::min);
+        let arcs = match aft.coverage(series(tip.channel), 0.0) {
+            Coverage::Never => Vec::new(),
+            Coverage::Always => vec![(0.0, TAU)],
+            Coverage::Arcs(arcs) => arcs,
+        };
+        let speeds = arcs.into_iter().flat_map(|(begin, end)| {
+            // With both ends of the arc: where a tip begins to press, or ceases, it moves fastest.
+            let count = LOOKED_AT * nc;
+            (0..=count).map(move |i| begin + (end - begin) * i as f64 / count as f64)
+        });
+        let speeds = speeds.map(|tau| 1.0 + tip.share * evaluate(&slope, tau)[0]);
+        slowest = speeds.chain(slowest).reduce(f64::min);
     }
     slowest
 }
@@ -68,7 +81,9 @@ mod tests {
         assert!(close(told(1.0, [1.0, 0.0, 0.0], [0.0, 0.0, 0.6]), 0.4));
         assert!(close(told(-1.0, [1.0, 0.0, 0.0], [0.0, 0.0, 1.6]), -0.6));
         // While cos τ > 0 alone: the velocity 0.6 cos τ is along the rotation then, or against it.
-        assert!(told(1.0, [0.0, 1.0, 0.0], [0.0, 0.0, 0.6]).unwrap() > 1.0);
+        assert!(close(told(1.0, [0.0, 1.0, 0.0], [0.0, 0.0, 0.6]), 1.0));
+        // While cos τ > 1/2: −0.6 sin τ is least at its end, τ = π/3.
+        assert!(close(told(1.0, [-0.5, 1.0, 0.0], [0.0, 0.6, 0.0]), 1.0 - 0.6 * 0.75f64.sqrt()));
         assert!(close(told(-1.0, [0.0, 1.0, 0.0], [0.0, 0.0, 0.6]), 0.4));
         assert_eq!(told(1.0, [-1.0, 0.0, 0.0], [0.0, 0.0, 0.6]), None);
     }

@@ -1,6 +1,8 @@
 //! The certificate of a branch: what the harmonics that were left out would change (penetration, pressure beyond H, the peak and the ends of
 //! the range with twice the harmonics), where it touches, and how its tips slide.
 
+use crate::curve::identity::Identity;
+use crate::curve::least_norm::converge;
 use crate::curve::outcome::{Outcome, Stop};
 use crate::formulation::Formulation;
 use crate::formulation::harmonics::{Transform, width};
@@ -35,12 +37,14 @@ pub(super) fn certificate<'m, F: Formulation<'m>>(
         let tracked = settings.tracked(model);
         F::build(model, truncation, tracked, unknown, Scales::new(model, tracked)).ok()
     };
-    let contact_omega = build(settings.harmonics)
-        .and_then(|mut problem| contact_range(&mut problem, settings.continuation, &branch.points, branch.is_closed()));
+    let mut own = build(settings.harmonics);
+    let contact_omega =
+        own.as_mut().and_then(|own| contact_range(own, settings.continuation, &branch.points, branch.is_closed()));
     let none = Certificate { penetration, pressure_beyond, contact_omega, slowest_sliding, ..Certificate::default() };
     let Some(mut problem) = build(settings.harmonics.doubled()) else { return none };
     let elsewhere = largest_change(&mut problem, settings.continuation, &branch.points, observer);
-    Certificate { doubled: doubled(&mut problem, model, settings, branch, observer), elsewhere, ..none }
+    let mut is_own = |found: &BranchPoint| own.as_mut().is_none_or(|own| leads_back(own, settings, branch, found));
+    Certificate { doubled: doubled(&mut problem, model, settings, branch, &mut is_own, observer), elsewhere, ..none }
 }
 
 /// Largest penetration of a rigid contact over its gap, and share of the pressure (rms, over all contacts and points) beyond H;
@@ -109,13 +113,30 @@ impl Pressure {
     }
 }
 
+/// Steps of least norm from a motion without its higher harmonics to one of the branch.
+const STEPS: usize = 20;
+
+/// Whether a motion that was found with more harmonics leads back to the branch without them. One that leads to another curve belongs to that;
+/// of one that leads nowhere nothing is known.
+fn leads_back<'m, F: Formulation<'m>>(own: &mut F, settings: &Settings, branch: &Branch, found: &BranchPoint) -> bool {
+    let newton = &settings.continuation.newton;
+    let mut y = own.encode(&found.state.with_harmonics(own.system().harmonics));
+    if converge(own, &mut y, STEPS, newton).is_err() {
+        return true;
+    }
+    let points: Vec<Vec<f64>> = branch.points.iter().map(|point| own.encode(&point.state)).collect();
+    let points: Vec<&[f64]> = points.iter().map(Vec::as_slice).collect();
+    Identity::default().position(own, newton, &points, branch.is_closed(), &y).is_some()
+}
+
 /// The peak converged again with 2 H harmonics, if it is a maximum of the branch and its like is found there; of a closed curve the
-/// ends of its range as well.
+/// ends of its range as well. `is_own` tells whether what is found belongs to the branch.
 fn doubled<'m, F: Formulation<'m>>(
     problem: &mut F,
     model: &'m Model,
     settings: &Settings,
     branch: &Branch,
+    is_own: &mut dyn FnMut(&BranchPoint) -> bool,
     observer: &mut Observer<'_>,
 ) -> Option<Doubled> {
     if is_highest_where_it_branches_off(branch) || branch.end_at_peak().is_some() {
@@ -133,12 +154,13 @@ fn doubled<'m, F: Formulation<'m>>(
             flow
         };
         let found = maximum_near(problem, settings.continuation, top, &[], measure, &mut watched);
+        let found = found.filter(|found| is_broken || is_own(found));
         if found.is_some() || is_broken {
             return found;
         }
         let ends = raised::<F>(model, settings, settings.harmonics.doubled(), [before, after])?;
         let ends = ends.map(|state| problem.encode(&state));
-        climb(problem, settings.continuation, ends, measure, observer)
+        climb(problem, settings.continuation, ends, measure, observer).filter(|found| is_own(found))
     };
     let peak = maximum(&|point| point.amplitude())?;
     let mut end = |sign: f64| maximum(&|point| sign * point.omega()).map(|point| point.omega());

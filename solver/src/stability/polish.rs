@@ -29,6 +29,9 @@ pub struct PolishSettings {
     /// The difference matters where this energy is not small beside what damping and friction take, that is beside what
     /// the forcing supplies. A reduced blade of 39 dofs loses 0.1 to 0.2 % of it in impacts, a single mass all of it.
     pub impacts: f64,
+    /// Largest share of the kinetic energy that the hardest impact may take of an orbit that is called stable. Where contact has just begun
+    /// impacts take next to nothing, but what a small push makes of them depends on whether what strikes is the structure, or little of it.
+    pub struck: f64,
     /// Most work that a period with its tangent may be: time steps times numbers in a step's tangent. A blade of 39 dofs has 1e7,
     /// and takes tens of milliseconds.
     pub work: f64,
@@ -36,7 +39,14 @@ pub struct PolishSettings {
 
 impl Default for PolishSettings {
     fn default() -> Self {
-        Self { marching: MarchingSettings::default(), distance: 0.2, detuning: 0.01, impacts: 0.02, work: 3e8 }
+        Self {
+            marching: MarchingSettings::default(),
+            distance: 0.2,
+            detuning: 0.01,
+            impacts: 0.02,
+            struck: 0.1,
+            work: 3e8,
+        }
     }
 }
 
@@ -188,6 +198,13 @@ fn attempts<'a>(
     attempts
 }
 
+/// A verdict, if the orbit's impacts let it be one of the balance's motion as well.
+pub(super) fn comparable(settings: &PolishSettings, period: &Period, verdict: Verdict) -> Verdict {
+    let (taken, before) = period.account.hardest;
+    let is_struck = verdict == Verdict::Stable && taken > settings.struck * before;
+    if is_struck || share_of_impacts(period) > settings.impacts { Verdict::NotComparable } else { verdict }
+}
+
 /// What an orbit says, if it is near enough.
 fn judge(
     model: &Model,
@@ -208,14 +225,12 @@ fn judge(
     let multipliers = period.multipliers().map_err(|_| Reason::Failed)?;
     let margin = shooting.margin(point, period);
     let impacts = share_of_impacts(period);
-    let lossy = impacts > settings.impacts;
-    let verdict = match Verdict::of(&multipliers, margin) {
-        _ if lossy => Verdict::NotComparable,
+    let verdict = match comparable(settings, period, Verdict::of(&multipliers, margin)) {
         Verdict::Stable if is_left_by_a_push(shooting, point, period, &multipliers) => Verdict::Marginal,
         verdict => verdict,
     };
     let polished = Polished { orbit, amplitudes: period.amplitudes.clone(), distance, multipliers, impacts, margin };
-    let reason = lossy.then_some(Reason::Impacts);
+    let reason = (verdict == Verdict::NotComparable).then_some(Reason::Impacts);
     Ok(Polish { verdict, reason, polished: Some(polished), periods: (0, 0) })
 }
 
@@ -244,7 +259,7 @@ pub(super) fn share_of_impacts(period: &Period) -> f64 {
     share(&period.account)
 }
 
-fn share(&Account { supplied, exchanged, impacts }: &Account) -> f64 {
+fn share(&Account { supplied, exchanged, impacts, .. }: &Account) -> f64 {
     if impacts > 0.0 { impacts / supplied.max(impacts).max(ROUNDING * exchanged) } else { 0.0 }
 }
 
@@ -288,7 +303,7 @@ mod tests {
     /// What Newton's method leaves of a motion that friction drives changes its share by less than others may tell it differently.
     #[test]
     fn leftovers_are_no_impacts() {
-        let share = |supplied, impacts| share(&Account { supplied, exchanged: 1.0, impacts });
+        let share = |supplied, impacts| share(&Account { supplied, exchanged: 1.0, impacts, ..Account::default() });
         assert_eq!(share(0.5, 0.1), 0.2);
         assert_eq!(share(0.1, 0.5), 1.0);
         assert_eq!(share(-0.1, 1e-5), 1.0);

@@ -9,7 +9,7 @@
 //! these it is checked that they are of what was asked for, and can be.
 
 use super::multipliers::{Multiplier, Verdict};
-use super::polish::{PolishSettings, share_of_impacts};
+use super::polish::{PolishSettings, comparable, share_of_impacts};
 use super::shooting::{Orbit, Shooting};
 use super::verification::{MarchedOrbit, VerifiedPoint};
 use crate::marching::{Marching, MarchingError};
@@ -126,10 +126,13 @@ pub fn recheck(model: &Model, orbit: &Orbit, point: &VerifiedPoint, with_tangent
         }
     }
     let margin = shooting.margin(&at, &period);
-    let own = if impacts > settings.impacts { Verdict::NotComparable } else { Verdict::of(&own, margin) };
+    let own = comparable(&settings, &period, Verdict::of(&own, margin));
     // Where the largest modulus is the margin off 1 it may be said either way, and beside a fold a push decides.
     let largest = period.multipliers().ok().and_then(|all| all.first().map(Multiplier::excess)).unwrap_or(0.0);
-    let is_close = (largest.abs() - margin).abs() < MULTIPLIERS || (impacts / settings.impacts - 1.0).abs() < IMPACTS;
+    let (taken, before) = period.account.hardest;
+    let near = [impacts / settings.impacts, taken / (settings.struck * before)];
+    let is_close =
+        (largest.abs() - margin).abs() < MULTIPLIERS || near.iter().any(|share| (share - 1.0).abs() < IMPACTS);
     let is_same = own == point.verdict || own == Verdict::Stable && point.verdict == Verdict::Marginal;
     if is_same || is_close { Ok(()) } else { Err(NoOrbit::Verdict { own, told: point.verdict }) }
 }

@@ -4,7 +4,7 @@ use crate::support::study::{Kind, Study, of_kind, with_harmonics};
 use solver::formulation::state::State;
 use solver::laws::{PenaltySpring, PolynomialSpring, Term};
 use solver::response::backbone::BackbonePoint;
-use solver::response::branch::{BranchPoint, Outcome, Stop};
+use solver::response::branch::{BranchPoint, Outcome, SpecialKind, Stop};
 use solver::response::modes::Backbones;
 use solver::response::recheck::Recheck;
 use solver::settings::{BackboneEquation, ModeChoice};
@@ -217,7 +217,12 @@ fn what_branches_off_ends_on_the_main_branch() {
         let [one, other] = [0, 1].map(|dof| point.state.displacement(&model, dof));
         one.iter().zip(&other).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) / point.amplitude()
     };
-    let alike = points[2..points.len() - 2].iter().filter(|point| apart(point) < 1e-6).count();
+    // A closed one crosses the main branch where it does not end there.
+    let crossings = branched.branch.special.iter().filter(|special| special.kind == SpecialKind::BranchPoint);
+    let crossings: Vec<usize> = crossings.map(|special| special.index).collect();
+    let is_crossing = |index: usize| crossings.iter().any(|crossing| crossing.abs_diff(index) <= 1);
+    let inner = (2..points.len() - 2).filter(|&index| !is_crossing(index));
+    let alike = inner.filter(|&index| apart(&points[index]) < 1e-6).count();
     assert_eq!(alike, 0, "of {} points, {level:#?}", points.len());
 }
 
@@ -275,4 +280,26 @@ fn a_backbone_goes_on_beyond_a_tongue() {
         "{end:?}"
     );
     assert!(first.end().unwrap().threshold > 80.0, "{:?}", first.end());
+}
+
+/// Of four equal masses on stiffening springs many motions in which they move differently leave the mode in which they do not. The curves of
+/// all of these together have no more points than the first one may have.
+#[test]
+fn curves_across_share_their_points() {
+    let model = stiffening(4, 0.02, 0.5);
+    let pieces = |most: usize| {
+        let mut settings = with_harmonics(5);
+        settings.backbone.max_points = most;
+        let all = Backbones::reaching(&model, &settings, 0.02, &mut quiet, &AtomicBool::new(false)).unwrap();
+        let backbone = all.list.iter().max_by_key(|backbone| backbone.crossing.len()).unwrap();
+        let counts: Vec<usize> = backbone.pieces().map(<[BackbonePoint]>::len).collect();
+        (counts, backbone.crossing.clone())
+    };
+    let (counts, _) = pieces(6000);
+    let (first, across) = (counts[0], counts[1..].iter().sum::<usize>());
+    let most = first.max(across / 2);
+    let (counts, ends) = pieces(most);
+    // Extrema and branch points are put in besides.
+    assert!(counts[1..].iter().sum::<usize>() < most + most / 4, "{counts:?}");
+    assert!(ends.iter().any(|end| matches!(end, Outcome::Open(_, Stop::PointBudget))), "{ends:?}");
 }

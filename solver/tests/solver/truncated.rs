@@ -109,3 +109,25 @@ fn a_branch_that_leaves_growing_may_be_larger_beyond() {
     let (_, is_superharmonic, known) = standing(12.0);
     assert!(!is_superharmonic && known == Standing::At);
 }
+
+/// Beside an isola the peak of the main branch is near, which has no more harmonics: what twice as many make of the isola's is not that.
+#[test]
+fn the_peak_of_an_isola_is_not_that_of_the_main_branch() {
+    let model = Model::builder("rocker on a bracket")
+        .mass([[2.0, 0.0], [0.0, 0.5]])
+        .stiffness([[2.5e5, -5e4], [-5e4, 5e4]])
+        .damping_ratio(0.005)
+        .force(0, 1.0)
+        .monitor(1)
+        .element("stop", Contact { gap: 5e-4, epsilon: 5e4, friction: None }, [vec![(1, 1.0), (0, -1.0)]])
+        .build()
+        .unwrap();
+    let isola = |harmonics: usize| {
+        let level = Study::new(model.clone(), with_harmonics(harmonics)).level(1.0);
+        let [isola] = &of_kind(&level, Kind::Isola)[..] else { panic!("{level:#?}") };
+        (isola.branch.peak().amplitude(), isola.branch.certificate.doubled)
+    };
+    let ((_, doubled), (amplitude, _)) = (isola(20), isola(40));
+    let doubled = doubled.unwrap();
+    assert!((doubled.amplitude / amplitude - 1.0).abs() < 1e-6, "{} {amplitude}", doubled.amplitude);
+}

@@ -41,7 +41,8 @@ struct Place {
 }
 
 /// Where `first` goes on beyond tongues, the curves that cross it at its branch points, those that cross these, and so on, each from its
-/// branch point on. Of images of each other the first; those along which the force does enough work to be of interest.
+/// branch point on. Of images of each other the first; those along which the force does enough work to be of interest. All of them together
+/// have no more points than the first curve may have: where that is not enough the last one ends for want of them.
 pub(super) fn curves_across<'m, F: Formulation<'m>>(
     problem: &mut F,
     way: &Way<'_>,
@@ -63,6 +64,9 @@ pub(super) fn curves_across<'m, F: Formulation<'m>>(
             if found.len() == ALL || found.iter().filter(|(_, matters)| *matters).count() == MOST {
                 break 'all;
             }
+            let points: usize = found.iter().map(|(curve, _)| curve.visited.len()).sum();
+            let Some(left) = way.bounds.points.checked_sub(points).filter(|left| *left >= FEWEST) else { break 'all };
+            let way = Way { bounds: Bounds { points: left, ..way.bounds }, ..*way };
             let across = found.iter().map(|(curve, _)| curve);
             let mut known = Known::new(first, across, way.settings.continuation.newton);
             let Some(curve) = way.across(problem, (place, side), &mut known, largest, observer) else { continue };

@@ -84,11 +84,15 @@ pub fn highest_contact(branch: &Branch) -> f64 {
     branch.points.iter().filter(|p| touches(p)).map(|p| p.omega()).fold(f64::NEG_INFINITY, f64::max)
 }
 
-/// The only branch that the windows round the frequency `omega` led to.
+/// The only branch at the frequency `omega` that the windows round it led to.
 #[track_caller]
 pub fn found_from_window(level: &Level, omega: f64) -> BranchId {
     let round = level.windows.iter().filter(|w| w.window.omega.0 < omega && omega < w.window.omega.1);
-    let found: Vec<_> = round.flat_map(|w| w.branches()).collect();
+    let is_there = |id: &BranchId| {
+        let (low, high) = level.branch(*id).unwrap().frequency_range();
+        (low..=high).contains(&omega)
+    };
+    let found: Vec<_> = round.flat_map(|w| w.branches()).filter(is_there).collect();
     assert!(found.windows(2).all(|pair| pair[0] == pair[1]), "round {omega} rad/s: {found:?}");
     *found.first().unwrap_or_else(|| panic!("nothing found round {omega} rad/s: {:?}", level.windows))
 }
