@@ -45,7 +45,7 @@ OTHER = re.compile(
     r"|row \d+|by exactly one of them|other than zero\)|need at least|forcing acts on harmonic|or are the two exchanged"
     r"|gives the damping already|within 1 to 2|give [0-9]+|already|range includes|leads away|is not positive definite"
     r"|negative eigenvalue|not symmetric|rigid-body|not a number; give a list|entry is empty|another name for one"
-    r"|so `(radius|tangential)` is needed|above zero$|this forcing does nothing|give .* names|names? "
+    r"|so `(radius|tangential)` is needed|above zero$|is overdamped|this forcing does nothing|give .* names|names? "
 )
 
 

@@ -179,7 +179,7 @@ mod tests {
         let row =
             |key: &str, values: [&str; 2]| SettingRow { key: key.into(), values: values.map(String::from).into() };
         let one = row("contact.friction", ["0.1", "0"]);
-        assert_eq!(by(&[one.clone()], 1), " (contact.friction = 0 instead of 0.1)");
+        assert_eq!(by(std::slice::from_ref(&one), 1), " (contact.friction = 0 instead of 0.1)");
         assert_eq!(by(&[one, row("harmonics.count", ["3", "5"])], 1), "");
     }
 }

@@ -25,7 +25,7 @@ pub(super) struct Known {
     pub others: Vec<Largest>,
     /// Frequency (rad/s) and amplitude (m) of the peaks of main branches that stand out beside the one that the table begins with, of the
     /// levels shown: with the branch's key.
-    pub further_peaks: Vec<(i64, Vec<(f64, f64)>)>,
+    pub further_peaks: Vec<PeaksOf>,
     /// Settings of the study.
     pub settings: Option<Settings>,
     /// Bounds of the frequency that were given.
@@ -120,9 +120,12 @@ impl Known {
     }
 }
 
+/// The key of a branch, and frequency (rad/s) and amplitude (m) of its peaks.
+pub type PeaksOf = (i64, Vec<(f64, f64)>);
+
 /// The peaks of the main branches of a level beside those that the table begins with, each with the branch's key: of a curve that was found
 /// in pieces those of the others stand for themselves.
-fn further_peaks(reader: &Reader, level: &Level) -> Result<Vec<(i64, Vec<(f64, f64)>)>> {
+fn further_peaks(reader: &Reader, level: &Level) -> Result<Vec<PeaksOf>> {
     let first = level.main().map(|row| row.id).filter(|_| level.main_curves() == 1);
     let of = |row: &BranchRow| Ok((row.id, reader.standing_peaks(row, first.is_some_and(|first| first != row.id))?));
     level.mains().map(of).collect()

@@ -4,7 +4,7 @@
 mod tests;
 
 use super::footnotes::Footnotes;
-use super::known::Known;
+use super::known::{Known, PeaksOf};
 use super::listed::{Listed, listed};
 use super::units::{FrequencyUnit, Units};
 use crate::overview::{
@@ -48,7 +48,7 @@ pub(super) struct Rows<'r> {
     /// How main branches end, with their amplitudes as typed.
     mains: &'r [(String, Outcome)],
     /// Further peaks of main branches, with their keys: frequency (rad/s) and amplitude (m).
-    peaks: &'r [(i64, Vec<(f64, f64)>)],
+    peaks: &'r [PeaksOf],
     /// Fold curves.
     curves: &'r [CurveRow],
     /// What motions that branch off others have lost.
