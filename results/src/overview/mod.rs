@@ -24,6 +24,7 @@ pub mod modes;
 mod near_largest;
 mod omissions;
 mod parties;
+mod penetration;
 mod place;
 mod predicted;
 mod reasons;

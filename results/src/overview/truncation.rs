@@ -3,6 +3,7 @@
 
 use super::elsewhere::{CONVERGED, elsewhere, not_found};
 use super::level::Level;
+use super::penetration::deepest;
 use crate::store::BranchRow;
 use crate::words::digits;
 use solver::response::certificate::Standing;
@@ -14,9 +15,6 @@ const SAME_WIDTH: f64 = 0.05;
 
 /// Changes below this are not told with a number.
 const NEGLIGIBLE: f64 = 1e-4;
-
-/// A penetration, relative to the gap, that is told wherever it is.
-const FAR_IN: f64 = 0.05;
 
 /// An amplitude that changes by less is the same but for rounding. If it is found at another frequency the branch is flat, as where
 /// contact holds: where its largest amplitude lies says nothing.
@@ -85,23 +83,10 @@ pub fn truncation(
         return Some(unchanged(&format!("{peaks} and widths of isolas"), harmonics));
     }
     said.extend(widths);
-    said.extend(deepest(rows(), &said));
+    if said.iter().any(|sentence| asks_for_harmonics(sentence)) {
+        said.extend(deepest(rows(), &said));
+    }
     (!said.is_empty()).then(|| said.join(" "))
-}
-
-/// How far rigid contacts are penetrated at most, where that is a lot and harmonics are asked for; nothing if it was said.
-fn deepest<'l>(rows: impl Iterator<Item = (&'l Level, &'l BranchRow)>, said: &[String]) -> Option<String> {
-    let depths = rows.filter_map(|(level, row)| Some((level, row, row.certificate.penetration?)));
-    let (level, row, depth) = depths.max_by(|a, b| a.2.total_cmp(&b.2)).filter(|(.., depth)| *depth > FAR_IN)?;
-    let percent = format!("{} % of the gap", digits(100.0 * depth, 2));
-    let is_new = said.iter().any(|sentence| asks_for_harmonics(sentence)) && !said.iter().any(|s| s.contains(&percent));
-    is_new.then(|| {
-        format!(
-            "Rigid contacts are penetrated by up to {percent}, on {} at A = {}.",
-            super::in_words(row),
-            level.amplitude
-        )
-    })
 }
 
 /// The same of a run, as far as its model and settings are known; `is_further`: of a further order of motions.
@@ -298,25 +283,6 @@ mod tests {
         let expected =
             format!("Largest peaks change by less than 0.01 % with twice the harmonics (H = 20). {UNKNOWN_ENDS}");
         assert_eq!(said(Standing::AtLeast), expected);
-    }
-
-    /// The peak that changes most need not be where contacts are penetrated most.
-    #[test]
-    fn the_deepest_penetration_is_told_once() {
-        let deep = |share: f64, row: BranchRow| {
-            let certificate = Certificate { penetration: Some(share), ..row.certificate };
-            BranchRow { certificate, ..row }
-        };
-        let said = |branches| truncation(&levels(branches), 10, 3).unwrap();
-        let lost = said(vec![deep(2.88, row("main", Some(1.0))), deep(0.02, row("isola", Some(1.1)))]);
-        assert!(
-            lost.ends_with(" Rigid contacts are penetrated by up to 288 % of the gap, on the main branch at A = 60."),
-            "{lost}"
-        );
-        let own = said(vec![deep(0.01, row("main", Some(1.0))), deep(0.3, row("isola", Some(1.1)))]);
-        assert!(own.contains("its contact penetrates by 30 % of the gap") && !own.contains("Rigid contacts"), "{own}");
-        let converged = said(vec![deep(2.88, row("main", Some(1.0)))]);
-        assert!(!converged.contains("penetrated"), "{converged}");
     }
 
     #[test]
