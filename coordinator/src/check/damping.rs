@@ -61,8 +61,7 @@ const HEAVY: f64 = 0.2;
 
 /// Of the modes that are followed the most damped one, if it is damped more than structures are: a sentence.
 pub(super) fn heavy(model: &Model, settings: &Settings) -> Option<String> {
-    let ratio = |mode: usize| model.damping().rates()[mode] / (2.0 * model.modes().frequencies[mode]);
-    let ratios = ModesFollowed::choose(model, settings).followed.into_iter().map(|mode| (mode, ratio(mode)));
+    let ratios = ModesFollowed::choose(model, settings).followed.into_iter().map(|mode| (mode, ratio(model, mode)));
     let (mode, ratio) = ratios.filter(|(_, ratio)| (HEAVY..1.0).contains(ratio)).max_by(|a, b| a.1.total_cmp(&b.1))?;
     Some(format!(
         "mode {} has a damping ratio of {}, which is a lot: ratios are shares of 1, not percent",
@@ -76,9 +75,14 @@ pub(super) fn overdamped_primary(model: &Model, settings: &Settings) -> Option<S
     of_mode(model, settings, settings.tracked(model))
 }
 
+/// Share of its critical damping that a mode has.
+fn ratio(model: &Model, mode: usize) -> f64 {
+    model.damping().rates()[mode] / (2.0 * model.modes().frequencies[mode])
+}
+
 fn of_mode(model: &Model, settings: &Settings, mode: usize) -> Option<String> {
     let is_free = settings.backbone.equation == BackboneEquation::DampedMode && !model.modes().is_rigid(mode);
-    let ratio = model.damping().rates()[mode] / (2.0 * model.modes().frequencies[mode]);
+    let ratio = ratio(model, mode);
     (is_free && ratio >= 1.0).then(|| {
         format!(
             "mode {} is overdamped (ratio {}): no resonance, no backbone; are the units of the damping right?",

@@ -111,10 +111,11 @@ fn indefinite_damping(model: &Model) -> Option<String> {
 }
 
 fn nothing_nonlinear(model: &Model) -> Option<String> {
-    model
-        .elements()
-        .is_empty()
-        .then(|| "nothing is nonlinear: neither contact nodes ([[contact.nodes]]) nor laws ([[laws]]) are given, and there can be no isola".into())
+    model.elements().is_empty().then(|| {
+        "nothing is nonlinear: neither contact nodes ([[contact.nodes]]) nor laws ([[laws]]) are given, and there can be no \
+         isola"
+            .into()
+    })
 }
 
 /// Of a force that drives no mode that vibrates.

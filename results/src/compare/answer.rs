@@ -1,6 +1,6 @@
 //! What a later run has that the first one has not, in a sentence.
 
-use super::{SettingRow, is_one, monitor};
+use super::{AMPLITUDES, SettingRow, is_one, monitor};
 use crate::overview::Level;
 use crate::report::Report;
 use crate::words::{digits, listed};
@@ -49,9 +49,10 @@ fn shared<'r>(first: &'r Report, other: &'r Report) -> Vec<[&'r Level; 2]> {
     ours.iter().filter_map(of).filter(|pair| pair.iter().all(|level| level.is_complete())).collect()
 }
 
-/// The only setting that differs, in brackets.
+/// The only setting that differs, in brackets. Which levels there are is no reason for what differs at one that both have.
 fn by(settings: &[SettingRow], place: usize) -> String {
-    match settings {
+    let settings: Vec<&SettingRow> = settings.iter().filter(|row| row.key != AMPLITUDES).collect();
+    match settings[..] {
         [SettingRow { key, values }] if values[0] != values[place] => {
             format!(" ({key} = {} instead of {})", values[place], values[0])
         }
@@ -180,6 +181,9 @@ mod tests {
             |key: &str, values: [&str; 2]| SettingRow { key: key.into(), values: values.map(String::from).into() };
         let one = row("contact.friction", ["0.1", "0"]);
         assert_eq!(by(std::slice::from_ref(&one), 1), " (contact.friction = 0 instead of 0.1)");
+        let levels = row("amplitudes", ["[1]", "[1, 2]"]);
+        assert_eq!(by(std::slice::from_ref(&levels), 1), "");
+        assert_eq!(by(&[levels, one.clone()], 1), " (contact.friction = 0 instead of 0.1)");
         assert_eq!(by(&[one, row("harmonics.count", ["3", "5"])], 1), "");
     }
 }

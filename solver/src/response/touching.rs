@@ -16,6 +16,9 @@ const GRAZING: f64 = 1e-4;
 /// Share of the estimated way to there by which a point stays on the side with contact.
 const KEPT: f64 = 1e-3;
 
+/// Share of what is left of a way at which it is looked at, and by which that is less where Newton's method fails.
+const HALF: f64 = 0.5;
+
 /// A place is looked for until the way is known to this share of a step, or so many points were looked at.
 const NARROW: f64 = 1e-8;
 const MOST: usize = 40;
@@ -51,7 +54,7 @@ fn share(point: &BranchPoint) -> f64 {
 }
 
 /// The frequency of the last point that touches on the way from one that does to its neighbour that does not; `None` if the first one is it,
-/// or the way is lost.
+/// or the way is lost at once.
 fn last<'m, F: Formulation<'m>>(
     problem: &mut F,
     settings: ContinuationSettings,
@@ -65,27 +68,31 @@ fn last<'m, F: Formulation<'m>>(
     let mut before = None;
     let mut low = (0.0, share(from).powi(2));
     let (mut high, mut found) = (1.0, None);
+    // How far towards the other side is looked, and from which motion: the nearest one that touches.
+    let (mut ahead, mut near) = (HALF, from_y.clone());
     for _ in 0..MOST {
         if low.1 < GRAZING * GRAZING || high - low.0 < NARROW {
             break;
         }
         let zero = before.map(|(at, square): (f64, f64)| low.0 + low.1 * (low.0 - at) / (square - low.1));
-        let near = zero.filter(|zero| *zero > low.0 && *zero < high).map(|zero| zero - KEPT * (zero - low.0));
-        let at = near.unwrap_or(f64::midpoint(low.0, high));
-        let y = from_y.iter().zip(&way).map(|(y, way)| y + at * way).collect();
-        let curve = continuation.correct_on(y, &row).ok()?;
+        let zero = zero.filter(|zero| *zero > low.0 && *zero < high).map(|zero| zero - KEPT * (zero - low.0));
+        let at = zero.filter(|_| ahead == HALF).unwrap_or(low.0 + ahead * (high - low.0));
+        let y: Vec<f64> = near.iter().zip(&way).map(|(y, way)| y + (at - low.0) * way).collect();
+        let curve = continuation.correct_on(y, &row).ok();
         let problem = continuation.problem();
-        if !problem.are_neighbours(&from_y, &curve.y) {
-            return None;
-        }
+        let Some(curve) = curve.filter(|curve| problem.are_neighbours(&from_y, &curve.y)) else {
+            ahead *= HALF;
+            continue;
+        };
         let point = BranchPoint::evaluate(problem, &curve);
         match share(&point).powi(2) {
             0.0 => high = at,
             square => {
                 before = Some(std::mem::replace(&mut low, (at, square)));
-                found = Some(point.omega());
+                (found, near) = (Some(point.omega()), curve.y);
             }
         }
+        ahead = HALF;
     }
     found
 }

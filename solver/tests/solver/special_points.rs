@@ -3,7 +3,7 @@
 use crate::support::balance::Matrices;
 use crate::support::fold_curves::{Study, folds};
 use crate::support::linear::{maximum, response};
-use crate::support::study::{Kind, Study as Levels, of_kind, with_harmonics};
+use crate::support::study::{Kind, Study as Levels, of_kind, shipped, with_harmonics};
 use solver::laws::{Contact, Friction, PenaltySpring};
 use solver::response::folds::Extent;
 use solver::{Model, Settings};
@@ -95,6 +95,20 @@ fn contact_begins_where_the_linear_response_reaches_the_stop() {
         let turn = folds(&main.branch).iter().map(|fold| fold.omega).fold(0.0, f64::max);
         assert_eq!(high, turn);
     }
+}
+
+/// Half-way of a long step into contact Newton's method may fail: the place where it begins is found from nearer points.
+#[test]
+fn contact_begins_at_one_place_however_long_the_step_into_it_is() {
+    let low = |factor: f64| {
+        let mut settings = with_harmonics(10);
+        settings.continuation.initial_step *= factor;
+        let level = Levels::new(shipped("cantilever_stop", &[]), settings).level(0.015);
+        let [main] = &of_kind(&level, Kind::Main)[..] else { panic!("{level:#?}") };
+        main.branch.certificate.contact_omega.unwrap().0
+    };
+    let [one, half, double] = [1.0, 0.5, 2.0].map(low);
+    assert!((half / one - 1.0).abs() < 1e-8 && (double / one - 1.0).abs() < 1e-8, "{one} {half} {double}");
 }
 
 /// A tip on a wide circle slides on; on one hardly wider than its motion it turns round while it presses.

@@ -65,13 +65,16 @@ pub(super) fn curves_across<'m, F: Formulation<'m>>(
                 break 'all;
             }
             let points: usize = found.iter().map(|(curve, _)| curve.visited.len()).sum();
-            let Some(left) = way.bounds.points.checked_sub(points).filter(|left| *left >= FEWEST) else { break 'all };
+            let left = way.bounds.points.saturating_sub(points).max(FEWEST);
             let way = Way { bounds: Bounds { points: left, ..way.bounds }, ..*way };
             let across = found.iter().map(|(curve, _)| curve);
             let mut known = Known::new(first, across, way.settings.continuation.newton);
             let Some(curve) = way.across(problem, (place, side), &mut known, largest, observer) else { continue };
-            let matters = curve.visited.iter().any(|point| way.threshold(problem, point) < FAR * way.forcing);
-            let is_over = is_cancelled(&curve);
+            // Of what ends for want of points it is not known whether it matters farther on.
+            let is_spent = matches!(curve.outcome, Outcome::Open(_, Stop::PointBudget));
+            let is_of_interest = |point: &TracedPoint| way.threshold(problem, point) < FAR * way.forcing;
+            let matters = is_spent || curve.visited.iter().any(is_of_interest);
+            let is_over = is_spent || is_cancelled(&curve);
             found.push((curve, matters));
             if is_over {
                 break 'all;
