@@ -45,7 +45,7 @@ fn a_result_that_comes_twice() {
     block_on(async {
         let tardy = StandIn::of(&system).await;
         let grant = tardy.grant().await;
-        let result = tardy.compute(&grant);
+        let result = tardy.compute(&grant).await;
         // Its lease expires, somebody else carries the task out.
         let _worker = system.worker();
         system.reaches("the end", |status| status.stage == Stage::Finished).await;

@@ -11,10 +11,12 @@ use protocol::ids::{Attempt, TaskId, WorkerId};
 use protocol::session::{RequestError, fetch, request, request_encoded};
 use protocol::to_everyone::Status;
 use protocol::to_worker::{LeaseReply, RenewReply, SubmitReply};
+use solver::response::task::Task;
 use solver::stability::verification::MarchedOrbit;
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::time::{Duration, Instant};
+use rustix::process::Signal;
 use tests::{PATIENCE, System, block_on};
 
 /// One level.
@@ -65,7 +67,7 @@ fn what_is_not_true_is_not_stored() {
     block_on(async {
         let honest = StandIn::of(&system).await;
         let grant = honest.grant_of("0.009-0").await;
-        let genuine = honest.compute(&grant);
+        let genuine = honest.compute(&grant).await;
         let (session, keys, _) = system.viewer().await;
         let submit = async |request: &SubmitRequest| honest.submit(request).await;
 
@@ -157,7 +159,7 @@ fn a_result_that_is_sent_again() {
     let mut system = System::sweep(DAMPER, &[ONE, BRIEF, LONG].concat());
     block_on(async {
         let honest = StandIn::of(&system).await;
-        let genuine = honest.compute(&honest.grant_of("0.007-0").await);
+        let genuine = honest.compute(&honest.grant_of("0.007-0").await).await;
         assert_eq!(honest.submit(&genuine).await, SubmitReply::Accepted);
         for _ in 0..3 {
             assert_eq!(honest.submit(&genuine).await, SubmitReply::Duplicate { agrees: true });
@@ -175,7 +177,7 @@ fn a_worker_whose_results_do_not_hold() {
     block_on(async {
         let liar = StandIn::of(&system).await;
         for _ in 0..3 {
-            let genuine = liar.compute(&liar.grant_of("0.007-0").await);
+            let genuine = liar.compute(&liar.grant_of("0.007-0").await).await;
             let seconds = SubmitRequest { seconds: f64::NAN, ..genuine };
             assert!(refusal(liar.submit(&seconds).await).contains("computing time of NaN"));
         }
@@ -189,7 +191,7 @@ fn a_worker_whose_results_do_not_hold() {
 }
 
 /// Levels enough for somebody to be asked again.
-const MANY: &[&str] = &["--amplitudes", "0.004:0.012:0.0002", "--search", "none", "--verify", "none", "--stay"];
+const MANY: &[&str] = &["--amplitudes", "0.004:0.012:0.0002"];
 
 /// Others may have nothing to do.
 const TURN: Duration = Duration::from_secs(2);
@@ -197,7 +199,7 @@ const TURN: Duration = Duration::from_secs(2);
 /// Somebody who says that nothing is there, whatever is asked, is found out by two others who are asked again, told of and sent away.
 #[test]
 fn a_worker_that_finds_nothing() {
-    let mut system = System::sweep(DAMPER, MANY);
+    let mut system = System::sweep(DAMPER, &[MANY, BRIEF, &["--stay"]].concat());
     let _honest = [system.worker(), system.worker()];
     let reason = block_on(async {
         let liar = StandIn::of(&system).await;
@@ -231,6 +233,42 @@ fn a_worker_that_finds_nothing() {
                  WHERE \"end\" = 'refuted' AND kind <> 'main'";
     assert_eq!(system.number(wrong), 0);
     assert_eq!(system.number("SELECT count(*) FROM tasks WHERE state IN ('waiting', 'leased', 'dead')"), 0);
+}
+
+/// Landings that somebody denied before others came are taken back, with what was skipped for them: the run's files are those of a run
+/// that nobody disturbed.
+#[test]
+fn landings_that_were_denied_are_taken_back() {
+    const DENIED: i64 = 6;
+    let mut undisturbed = System::sweep_with(DAMPER, &[MANY, BRIEF, &["--workers", "2"]].concat());
+    let mut system = System::sweep(DAMPER, &[MANY, BRIEF, &["--repeat", "0"]].concat());
+    block_on(async {
+        let liar = StandIn::of(&system).await;
+        let mut denied = 0;
+        while denied < DENIED {
+            let grant = liar.grant().await;
+            let reply = match grant.work {
+                Task::Main(_) => liar.submit(&liar.compute(&grant).await).await,
+                Task::Land(_) => {
+                    denied += 1;
+                    liar.deny(&grant).await
+                }
+                other => panic!("nothing is known to begin at: {other:?}"),
+            };
+            assert_eq!(reply, SubmitReply::Accepted);
+        }
+    });
+    system.coordinator.signal(Signal::KILL);
+    system.coordinator.wait();
+    system.resume(&["--workers", "2", "--repeat", "1"]);
+    system.expect_complete();
+    let refuted = "SELECT count(*) FROM attempts JOIN tasks ON tasks.id = task \
+                   WHERE \"end\" = 'refuted' AND worker = 'stand-in' AND kind = 'land'";
+    assert_eq!(system.number(refuted), DENIED);
+    let left = "SELECT count(*) FROM attempts JOIN results USING (task, attempt) WHERE \"end\" = 'refuted'";
+    assert_eq!(system.number(left), 0);
+    undisturbed.expect_complete();
+    assert_eq!(files(&undisturbed.directory()), files(&system.directory()));
 }
 
 /// A verification that tells of orbits that are none is refused; what is true is stored.

@@ -3,17 +3,21 @@
 use protocol::branch::TaskResultMessage;
 use protocol::curve::Size;
 use protocol::from_worker::{FailRequest, Lease, LeaseRequest, ReleaseRequest, RenewRequest, SubmitRequest};
-use protocol::ids::WorkerId;
+use protocol::ids::{TaskId, WorkerId};
 use protocol::keys::Keys;
 use protocol::orbits::OrbitsMessage;
 use protocol::session::{fetch, request};
 use protocol::to_everyone::StoredResult;
-use protocol::to_worker::{Acknowledgement, Grant, LeaseReply, RenewReply, SubmitReply};
+use protocol::to_worker::{Acknowledgement, Grant, Known, LeaseReply, RenewReply, SubmitReply};
+use solver::response::branch::Branch;
+use solver::response::forced::Forced;
 use solver::response::forcing::Unreached;
 use solver::response::seeds::LandingFailure;
-use solver::response::task::{SeedOutcome, Task};
+use solver::response::task::{BranchId, SeedOutcome, Task};
+use solver::response::trace::{Given, execute};
 use solver::stability::verification::verify_with_orbits;
 use std::cell::Cell;
+use std::ops::ControlFlow;
 use std::time::Duration;
 use tests::{PATIENCE, System};
 
@@ -75,8 +79,13 @@ impl StandIn {
             }
             let lease = Lease { worker: worker.clone(), ..self.held(&grant) };
             self.release_lease(lease).await;
-            self.slot.set(self.slot.get() + 1);
+            self.move_on();
         }
+    }
+
+    /// Is another one of its threads from now on.
+    pub fn move_on(&self) {
+        self.slot.set(self.slot.get() + 1);
     }
 
     /// Which of its threads it is now.
@@ -94,30 +103,31 @@ impl StandIn {
         request(&self.session, &self.keys.renew(), &question, PATIENCE).await.unwrap()
     }
 
-    /// Carries a task out.
-    pub fn compute(&self, grant: &Grant) -> SubmitRequest {
-        assert!(grant.known.is_empty(), "the first task of a level knows of no branch");
-        let mut forced =
-            solver::response::forced::Forced::new(&self.model, &self.settings, grant.reach, grant.amplitude);
-        let observer = &mut |_: &_| std::ops::ControlFlow::Continue(());
-        let finding = solver::response::trace::execute(
-            &mut forced,
-            &grant.work,
-            &solver::response::trace::Given::default(),
-            observer,
-        )
-        .unwrap();
+    /// Carries a task out that is given no more than branches of its level.
+    pub async fn compute(&self, grant: &Grant) -> SubmitRequest {
+        let mut known = Vec::new();
+        for Known { branch, task } in &grant.known {
+            known.push((*branch, self.branch(task).await));
+        }
+        let known: Vec<(BranchId, &Branch)> = known.iter().map(|(id, branch)| (*id, branch)).collect();
+        let given = Given { known: &known, ..Given::default() };
+        let mut forced = Forced::new(&self.model, &self.settings, grant.reach, grant.amplitude);
+        let finding = execute(&mut forced, &grant.work, &given, &mut |_| ControlFlow::Continue(())).unwrap();
         let (lease, program) = (self.held(grant), protocol::PROGRAM.to_string());
         SubmitRequest { lease, program, seconds: 0.1, next: false, orbits: None, finding: (&finding).into() }
+    }
+
+    /// A branch that is stored.
+    async fn branch(&self, task: &TaskId) -> Branch {
+        let found: StoredResult = fetch(&self.session, &self.keys.result(task), PATIENCE).await.unwrap();
+        found.branch.unwrap().branch(&Size::of(&self.model)).unwrap()
     }
 
     /// Verifies a branch.
     pub async fn verify(&self, grant: &Grant) -> SubmitRequest {
         let Task::Verify(place) = grant.work else { panic!("{:?}", grant.work) };
-        let found: StoredResult =
-            fetch(&self.session, &self.keys.result(&grant.known[0].task), PATIENCE).await.unwrap();
-        let branch = found.branch.unwrap().branch(&Size::of(&self.model)).unwrap();
-        let observer = &mut |_: &_| std::ops::ControlFlow::Continue(());
+        let branch = self.branch(&grant.known[0].task).await;
+        let observer = &mut |_: &_| ControlFlow::Continue(());
         let (found, orbits) = verify_with_orbits(&self.model, &branch, place.stretch, observer).unwrap();
         let (lease, program) = (self.held(grant), protocol::PROGRAM.to_string());
         let (orbits, finding) = (OrbitsMessage::new(&orbits), TaskResultMessage::Verification(found));

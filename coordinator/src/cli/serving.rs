@@ -2,6 +2,7 @@
 
 use super::{whole, within};
 use crate::access::AccessArgs;
+use crate::ledger::Rules;
 use clap::Args;
 use protocol::keys::namespace;
 use results::summary_table::UnitChoice;
@@ -33,6 +34,10 @@ pub struct ServeArgs {
     /// A task without a sign of life for so many seconds is handed out again.
     #[arg(long, value_name = "SECONDS", default_value_t = 15.0, value_parser = lease)]
     pub lease: f64,
+    /// Share of the computing time for which results that no equation confirms, as that nothing is there, are computed again by another
+    /// worker; 0: none. What workers disagree on is computed again in any case.
+    #[arg(long, value_name = "SHARE", default_value_t = Rules::default().repeated, value_parser = share)]
+    pub repeat: f64,
     /// Units of tables and figures: one of m, mm, um and one of rad/s, Hz, as in mm,Hz; a sweep's run keeps them [default: as the study
     /// says, else m,rad/s].
     #[arg(long, value_name = "UNITS", value_parser = str::parse::<UnitChoice>)]
@@ -47,6 +52,10 @@ pub struct ServeArgs {
 
 fn lease(text: &str) -> Result<f64, String> {
     within(text, 0.5..=86400.0, "seconds")
+}
+
+fn share(text: &str) -> Result<f64, String> {
+    within(text, 0.0..=1.0, "of the computing time")
 }
 
 /// HOST:PORT of this machine.

@@ -110,6 +110,7 @@ pub async fn drive(
             lease: Duration::from_secs_f64(options.lease),
             most_folds,
             verify: header.settings.verify.effort,
+            repeated: options.repeat,
             draw: uuid::Uuid::new_v4().as_u64_pair().0,
             ..Rules::default()
         },
