@@ -11,12 +11,12 @@ use protocol::ids::{Attempt, TaskId, WorkerId};
 use protocol::session::{RequestError, fetch, request, request_encoded};
 use protocol::to_everyone::Status;
 use protocol::to_worker::{LeaseReply, RenewReply, SubmitReply};
+use rustix::process::Signal;
 use solver::response::task::Task;
 use solver::stability::verification::MarchedOrbit;
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::time::{Duration, Instant};
-use rustix::process::Signal;
 use tests::{PATIENCE, System, block_on};
 
 /// One level.

@@ -139,10 +139,11 @@ pub(super) fn main_part<'m, F: Formulation<'m>>(
         true => is_ordinary(continuation.problem(), newton, &kept[0].point.state),
         false => grows,
     };
+    let touches = kept[0].point.contact().iter().any(|&share| share > 0.0);
     let begin = match (begins_ordinarily, is_cut) {
-        (true, _) => Stop::Start,
-        (_, true) => Stop::FrequencyBound,
-        (_, false) => Stop::Rest,
+        (true, _) if !touches => Stop::Start,
+        (true, _) | (_, true) => Stop::FrequencyBound,
+        (false, false) => Stop::Rest,
     };
     (kept, Outcome::Open(begin, stop))
 }

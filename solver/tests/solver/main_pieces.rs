@@ -1,7 +1,7 @@
 //! Main branches that were followed up to bounds which follow from the modes of a study, and what of them lies beyond.
 
 use crate::support::geometry::complaints;
-use crate::support::study::{Kind, Listed};
+use crate::support::study::{Kind, Listed, Study, shipped, with_harmonics};
 use solver::curve::outcome::Stop;
 use solver::formulation::pressure::PressureForm;
 use solver::laws::PenaltySpring;
@@ -65,4 +65,23 @@ fn what_lies_beyond_is_a_piece_that_meets_the_main_branch_at_one_end() {
         |name: &str, branch: &solver::Branch| Listed { kind: branch.kind, name: name.into(), branch: branch.clone() };
     let wrong = complaints(&model, &[listed("main", &main), listed("piece", &piece)]);
     assert!(wrong.is_empty(), "{wrong:?}");
+}
+
+/// A main branch that begins in contact, at a bound that was given, begins there, and not in the linear range.
+#[test]
+fn a_main_branch_that_begins_in_contact() {
+    let model = shipped("cantilever_stop", &[]);
+    let begin = |min: Option<f64>| {
+        let mut settings = with_harmonics(10);
+        settings.frequency.min = min;
+        let level = Study::new(model.clone(), settings).level(0.015);
+        let Outcome::Open(begin, _) = level[0].branch.outcome else { panic!("closed") };
+        (begin, level[0].branch.certificate.contact_omega.unwrap())
+    };
+    let (first, (from, to)) = begin(None);
+    assert_eq!(first, Stop::Start);
+    let inside = from + 0.02 * (to - from);
+    let (first, (from, _)) = begin(Some(inside));
+    assert_eq!(first, Stop::FrequencyBound);
+    assert!((from / inside - 1.0).abs() < 1e-9, "contact begins at {from}, the bound is {inside}");
 }

@@ -5,7 +5,7 @@ use super::{Continuation, Rejection};
 use crate::curve::crossing;
 use crate::curve::newton::ACCURACY;
 use crate::curve::point::{CurvePoint, land};
-use crate::curve::problem::{Problem, inner, norm, weighted};
+use crate::curve::problem::{Failure, Problem, inner, norm, weighted};
 use crate::curve::sides::Side;
 
 /// Smallest cosine between a step longer than the largest one of the settings and the mean of the tangents at its ends, which on
@@ -47,7 +47,12 @@ impl<P: Problem> Continuation<'_, P> {
         let is_near_crossing =
             self.problem.turns_corners() && point.orientation.abs() < NEAR_CROSSING * from.orientation.abs();
         if is_near_crossing {
-            point.orientation = self.orientation_at(&point).unwrap_or(point.orientation);
+            match self.orientation_at(&point) {
+                Ok(orientation) => point.orientation = orientation,
+                // At the edge of a corner Newton's method may meet a point by chance, from which nothing leads on.
+                Err(failure) if self.step > CROSSING * self.shortest() => return Err(Rejection::Newton(failure)),
+                Err(_) => {}
+            }
         }
         let (ahead, off) = self.angles([&from, &point], is_near_crossing);
         let turns = point.orientation.signum() != from.orientation.signum();
@@ -102,13 +107,13 @@ impl<P: Problem> Continuation<'_, P> {
     }
 
     /// The determinant at a point itself.
-    fn orientation_at(&mut self, point: &CurvePoint) -> Option<f64> {
+    fn orientation_at(&mut self, point: &CurvePoint) -> Result<f64, Failure> {
         let row = weighted(self.problem.metric(), &point.tangent);
-        let mut own = land(self.problem, &mut self.newton, point.y.clone(), &row, &self.settings.newton).ok()?;
+        let mut own = land(self.problem, &mut self.newton, point.y.clone(), &row, &self.settings.newton)?;
         if inner(self.problem.metric(), &own.tangent, &point.tangent) < 0.0 {
             own.turn_round();
         }
-        Some(own.orientation)
+        Ok(own.orientation)
     }
 
     /// Arc length to the crossing that a step has led over, if it has.
