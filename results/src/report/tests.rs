@@ -1,7 +1,7 @@
 //! A report says what the store says, at every stage, and what is missing.
 
 use super::*;
-use crate::curves::ResonanceComparison;
+use crate::curves::{ResonanceComparison, Touch};
 use crate::fixture::Study;
 use crate::store::{Reader, Store, WindowOutcome};
 use protocol::to_everyone::Stage;
@@ -147,7 +147,7 @@ fn pressures_are_positive_while_nodes_touch() {
 fn a_monitored_dof_normal_to_the_casing_has_a_gap() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../models/rotor67");
     let model = solver::files::load(&folder).unwrap();
-    assert_eq!(monitors(&model), [Monitor { name: "b0.r".into(), gap: Some(4e-4) }]);
+    assert_eq!(monitors(&model), [Monitor { name: "b0.r".into(), touch: Some(Touch { at: 4e-4, is_gap: true }) }]);
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! What legends explain.
 
 use super::damper;
-use crate::curves::Curve;
+use crate::curves::{Curve, Touch};
 use crate::figure::{Figures, Series};
 use crate::overview::Level;
 use crate::report::{Report, Selection};
@@ -131,10 +131,12 @@ fn the_gap_is_in_the_figure_of_folds() {
     report.curves = vec![CurveRow { points: vec![point(4e-3), point(5e-3)], ..CurveRow::default() }];
     let panel = |report: &Report| Figures::new(&report.subject()).drawn.remove("folds").unwrap().panels.remove(0);
     assert!(panel(&report).spans.is_empty());
-    report.monitors[0].gap = Some(0.5);
-    let panel = panel(&report);
-    assert_eq!(panel.spans[0].at, [Some(0.5)]);
-    assert!(panel.labels.iter().any(|label| label.text == "gap"), "{:?}", panel.labels);
+    for (is_gap, name) in [(true, "gap"), (false, "contact begins")] {
+        report.monitors[0].touch = Some(Touch { at: 0.5, is_gap });
+        let panel = panel(&report);
+        assert_eq!(panel.spans[0].at, [Some(0.5)]);
+        assert!(panel.labels.iter().any(|label| label.text == name), "{:?}", panel.labels);
+    }
 }
 
 #[test]
