@@ -5,6 +5,7 @@ mod damping;
 mod defaults;
 mod early;
 mod laws;
+mod lengths;
 mod slip;
 mod small_motion;
 mod softening;

@@ -5,7 +5,7 @@ use crate::cli::{
     VerifyArgs,
 };
 use crate::error::Error;
-use crate::run::directory::{default_directory, discard};
+use crate::run::directory::{default_directory, discard, refuse_foreign};
 use crate::run::endpoint::{Connection, open};
 use crate::run::{Ending, drive, preparation};
 use crate::study::{Study, StudyError, levels};
@@ -152,6 +152,7 @@ async fn sweep(args: SweepArgs) -> Result<Ending, Error> {
         terminal::note(format_args!("note: {note}"));
     }
     let directory = args.out.unwrap_or_else(|| default_directory(&study.name));
+    refuse_foreign(&directory, &study.file)?;
     // What is in use is said before a folder is made.
     let connection = open(&args.serve, None).await?;
     let header = header(&study, changes, &args.study, &args.serve)?;

@@ -38,6 +38,9 @@ def test_reasons_are_read_on_a_phone(run, browser):
         row = table.locator("tbody tr").first
         first, last = (row.locator("td").nth(k).bounding_box() for k in (0, 6))
         assert last["y"] >= first["y"] + first["height"] and last["width"] > 300
+        # Nothing reaches into the next column.
+        widths = table.evaluate("(box) => [...box.querySelectorAll('th, td')].map((cell) => [cell.scrollWidth, cell.clientWidth])")
+        assert all(text <= cell for text, cell in widths), widths
         # No number of a row is broken into two lines.
         heights = [row.locator("td").nth(k).bounding_box()["height"] for k in range(6)]
         assert max(heights) < 1.5 * min(heights), heights

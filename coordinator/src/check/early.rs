@@ -1,8 +1,8 @@
 //! What goes wrong before anything is computed: units that slipped, matrices exchanged, levels at which nothing touches.
 
-use super::bounds;
 use super::touch::{FirstTouch, Place, shape};
 use super::units::frequencies_between;
+use super::{bounds, lengths};
 use crate::study::Study;
 use protocol::session::MAX_RESULT_BYTES;
 use results::words::{count, digits, number};
@@ -62,6 +62,11 @@ pub(super) fn warnings(study: &Study, touch: Option<&FirstTouch<'_>>) -> Vec<Str
 
 /// Of structures that are none: units that slipped, or matrices exchanged.
 pub(super) fn units(study: &Study) -> Option<String> {
+    frequencies(study).or_else(|| lengths::in_millimetres(study))
+}
+
+/// Of frequencies that no structure has.
+fn frequencies(study: &Study) -> Option<String> {
     let model = &study.model;
     let frequencies = &model.modes().frequencies;
     let highest = *frequencies.last()?;

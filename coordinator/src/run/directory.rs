@@ -1,6 +1,8 @@
 //! The folder of a run: where it is, and how to reach whoever serves it.
 
-use results::store::Store;
+use crate::error::Error;
+use results::store::{FILE, Store};
+use results::words::listed;
 use std::io::{self, Write};
 use std::os::unix::fs::OpenOptionsExt;
 use std::path::{Path, PathBuf};
@@ -25,6 +27,44 @@ pub fn default_directory(study: &str) -> PathBuf {
         return plain;
     }
     (2..).map(numbered).find(|directory| !directory.exists()).unwrap_or(plain)
+}
+
+/// Folder with what local workers write.
+pub const LOGS: &str = "logs";
+/// How many files of others are named.
+const NAMED: usize = 3;
+
+/// Refuses a folder of a new run that holds something else, unless that is the study: what a run writes would lie among the files of others.
+/// A folder with a run is left to those who create one.
+///
+/// # Errors
+/// With some of what is there.
+pub fn refuse_foreign(directory: &Path, study: &Path) -> Result<(), Error> {
+    let place = |file: &Path| file.canonicalize().ok();
+    let is_of_study =
+        study.file_name().and_then(|name| place(&directory.join(name))).is_some_and(|file| place(study) == Some(file));
+    if directory.join(FILE).exists() || is_of_study {
+        return Ok(());
+    }
+    // What cannot be read is told where it is written.
+    let Ok(entries) = std::fs::read_dir(directory) else { return Ok(()) };
+    let names = entries.filter_map(|entry| entry.ok()?.file_name().into_string().ok());
+    // A run that was discarded may have left some of its own.
+    let is_own =
+        |name: &String| [ADDRESS, HTTP, HTTP_TOKEN, LOGS, Store::LOCK, protocol::secret::FILE].contains(&name.as_str());
+    let mut foreign: Vec<String> = names.filter(|name| !name.starts_with('.') && !is_own(name)).collect();
+    foreign.sort();
+    if foreign.is_empty() {
+        return Ok(());
+    }
+    let further = foreign.len().saturating_sub(NAMED);
+    foreign.truncate(NAMED);
+    foreign.extend((further > 0).then(|| format!("{further} more")));
+    Err(Error::Usage(format!(
+        "--out {}: this folder holds {}, and no run; name a folder that is new or empty",
+        directory.display(),
+        listed(&foreign)
+    )))
 }
 
 /// Removes a run that holds nothing, with its folder if that was made for it.
@@ -73,4 +113,38 @@ pub fn write_http(directory: &Path, url: &str, token: Option<&str>) -> io::Resul
     let partial = directory.join(".http");
     std::fs::write(&partial, format!("{url}\n"))?;
     std::fs::rename(partial, directory.join(HTTP))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use tempfile::tempdir;
+
+    #[test]
+    fn a_folder_with_files_of_others_is_refused() {
+        let dir = tempdir().unwrap();
+        let out = dir.path().join("out");
+        let elsewhere = dir.path().join("study.toml");
+        let refused = || refuse_foreign(&out, &elsewhere).map_err(|error| error.to_string());
+        assert_eq!(refused(), Ok(()));
+        std::fs::create_dir(&out).unwrap();
+        let add = |names: &[&str]| names.iter().for_each(|name| std::fs::write(out.join(name), "").unwrap());
+        // Empty for all that people see, or but for what a discarded run has left.
+        add(&[".hidden", "lock", "secret"]);
+        assert_eq!(refused(), Ok(()));
+        add(&["b.csv", "a.txt"]);
+        let message = |names: &str| {
+            Err(format!(
+                "--out {}: this folder holds {names}, and no run; name a folder that is new or empty",
+                out.display()
+            ))
+        };
+        assert_eq!(refused(), message("a.txt and b.csv"));
+        add(&["c", "d", "e"]);
+        assert_eq!(refused(), message("a.txt, b.csv, c and 2 more"));
+        // Beside the study itself; and a run is refused by whoever would create another one.
+        assert!(refuse_foreign(&out, &out.join("c")).is_ok());
+        add(&[FILE]);
+        assert_eq!(refused(), Ok(()));
+    }
 }

@@ -1,6 +1,6 @@
 //! The steps of a run: prepare, sweep with local workers, write files, stay if asked to, close.
 
-use super::directory::{remove_address, write_address};
+use super::directory::{LOGS, remove_address, write_address};
 use super::endpoint::{Connection, refuse_second_coordinator};
 use super::local_workers::{Launch, LocalWorkers};
 use super::over_http;
@@ -228,7 +228,7 @@ impl Run {
             credentials: self.connection.credentials.clone(),
             namespace: self.header.namespace.clone(),
             run: self.header.run.clone(),
-            logs: self.directory.join("logs"),
+            logs: self.directory.join(LOGS),
             log_format: self.options.log_format,
         };
         LocalWorkers::start(launch, count).map(Some).map_err(Error::io("local workers"))

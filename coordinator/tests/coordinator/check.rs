@@ -131,6 +131,18 @@ fn many_levels_are_told() {
 }
 
 #[test]
+fn gaps_in_millimetres() {
+    // The mass of 1 kg in t, mm, N and s.
+    let changes = [("[[1]]", "[[1e-3]]"), ("[[1e4]]", "[[10]]"), ("gap = 1e-3", "gap = 2"), ("2e4", "20")];
+    let model = changes.iter().fold(MODEL.to_string(), |model, (old, new)| model.replacen(old, new, 1));
+    let (warnings, text) = checked(&model, "0.5", &[]);
+    let [question] = &warnings[..] else { panic!("{text}") };
+    let said = "to close a gap of 2 m at the frequency of mode 1 takes a speed of 200 m/s, which hardly a structure bears: is the gap in mm?";
+    assert!(question.starts_with(said), "{question}");
+    assert!(checked(&model, "0.5", &[("contact.gap", "0.9")]).0.is_empty());
+}
+
+#[test]
 fn matrices_exchanged() {
     let exchanged = MODEL.replace("[[1]]", "[[1e4]]").replace("stiffness = [[1e4]]", "stiffness = [[1]]");
     let (warnings, text) = checked(&exchanged, "0.3", &[("contact.epsilon", "2")]);

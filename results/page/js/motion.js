@@ -44,8 +44,11 @@ function motionOf({ harmonics, nodes }, { coefficients, panels }) {
   const length = 2 * harmonics + 1;
   const series = (k) => nodes.map((_, n) => numbers.subarray((2 * n + k) * length, (2 * n + k + 1) * length));
   const displacement = series(0);
+  const touching = nodes.filter(({ gap }) => gap !== null).length;
   return {
     displacement,
+    // Those whose shape is shown: contact nodes, which come first, or monitored dofs where there are none.
+    along: displacement.slice(0, touching || nodes.length),
     pressure: series(1),
     gaps: nodes.map(({ gap }) => gap ?? NaN),
     largest: Math.max(...displacement.flatMap(harmonicSizes)),

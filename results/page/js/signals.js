@@ -33,9 +33,9 @@ function harmonicSizes(series) {
 /** @param {Series} series @param {View} view @returns {{x: Numbers, y: Numbers}} SI */
 function signalCurve({ signal: { of, node, instants } }, { motion, time }) {
   if (!motion) return { x: [], y: [] };
-  const { displacement, pressure, gaps } = motion;
-  const places = displacement.map((_, k) => k + 1);
-  const shape = (share) => displacement.map((series) => seriesAt(series, share));
+  const { displacement, pressure, gaps, along } = motion;
+  const places = along.map((_, k) => k + 1);
+  const shape = (share) => along.map((series) => seriesAt(series, share));
   switch (of) {
     case "displacement":
       return { x: PERIOD, y: PERIOD.map((share) => seriesAt(displacement[node], share)) };
@@ -47,7 +47,7 @@ function signalCurve({ signal: { of, node, instants } }, { motion, time }) {
       return { x: sizes.map((_, k) => k), y: sizes.map((size) => (size >= floor ? size : NaN)) };
     }
     case "gap":
-      return { x: places, y: gaps };
+      return { x: places, y: gaps.slice(0, along.length) };
     case "shape":
       return { x: places, y: shape(time) };
     case "shapes": {

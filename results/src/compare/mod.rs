@@ -4,6 +4,7 @@
 mod answer;
 mod born;
 mod found;
+mod matrices;
 mod numbers;
 #[cfg(test)]
 mod tests;
@@ -136,7 +137,8 @@ fn settings(reports: &[Report]) -> Vec<SettingRow> {
     let Some((first, others)) = reports.split_first() else { return Vec::new() };
     let mut rows: Vec<SettingRow> = Vec::new();
     for (place, other) in (1..).zip(others) {
-        for change in differences(&study(first), &study(other)) {
+        let changes = differences(&study(first), &study(other));
+        for change in matrices::by_numbers(changes, [first, other]) {
             if NAMES.contains(&change.key.as_str()) {
                 continue;
             }

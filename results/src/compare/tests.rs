@@ -1,6 +1,7 @@
 //! Two runs of the damper with one level in common.
 
 use super::*;
+use crate::curves::Touch;
 use crate::fixture::Study;
 use crate::report::Selection;
 use crate::store::{CurvePoint, CurveRow};
@@ -210,7 +211,8 @@ fn a_terminal_has_some_of_many_settings() {
 #[test]
 fn gaps_that_differ_have_a_line_each() {
     let labels = |gaps: [Option<f64>; 2]| {
-        let run = |gap| read(&Study::damper(), |report| report.monitors[0].gap = gap);
+        let touch = |gap: Option<f64>| gap.map(|at| Touch { at, is_gap: true });
+        let run = |gap| read(&Study::damper(), |report| report.monitors[0].touch = touch(gap));
         let compared = Comparison::new(vec![("a".into(), run(gaps[0])), ("b".into(), run(gaps[1]))]);
         let panel = &compared.figures.drawn["response"].panels[0];
         let labels = panel.labels.iter().filter(|label| label.text.starts_with("gap")).map(|label| label.text.clone());

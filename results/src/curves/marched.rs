@@ -19,7 +19,7 @@ pub struct MarchedPeriod {
     pub verdict: Verdict,
     /// Instants, in periods.
     pub times: Vec<f64>,
-    /// Displacement normal to the casing of every node at these instants, m.
+    /// Displacement of every node at these instants, m.
     pub displacements: Vec<Vec<f64>>,
 }
 

@@ -12,6 +12,6 @@ pub use backbone::{BackboneCurve, ModeShare, Peak, Piece};
 pub use branch::{Beyond, Curve, largest};
 pub use column::{Column, Quantity};
 pub use marched::{MarchedPeriod, marched};
-pub use monitor::{Monitor, monitors};
+pub use monitor::{Monitor, Touch, monitors};
 pub use motion::{Motion, Motions, Node};
 pub use resonance::{Resonance, ResonanceComparison};

@@ -2,7 +2,7 @@
 
 use super::data::{Axis, Entry, Figure, Kind, Panel, Series};
 use super::places::{RunLabels, RunPoint};
-use super::references::{gap_label, gaps};
+use super::references::{touch_labels, touches};
 use super::style::{BOLD, Color, Style, THIN};
 use super::subject::{BackboneColumns, Subject};
 
@@ -29,8 +29,8 @@ pub fn figure(subject: &Subject<'_>, columns: Option<&BackboneColumns>) -> Resul
         x: vec![Axis::of_frequencies(frequencies.range, subject.harmonic)],
         y: subject.amplitudes(|m| backbone.amplitude[m].values.iter().copied().take(count)),
         series,
-        spans: gaps(subject.monitors).into_iter().collect(),
-        labels: gap_label(subject.monitors),
+        spans: touches(subject.monitors).into_iter().collect(),
+        labels: touch_labels(subject.monitors),
         run_labels: Some(RunLabels { series: 1, at: RunPoint::Middle, frames: Vec::new() }),
         has_leaders: true,
         ..Panel::default()

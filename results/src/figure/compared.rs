@@ -98,7 +98,7 @@ fn response(runs: &[Compared<'_>], levels: &[f64], store: &mut ColumnStore) -> R
             Some(Label { level: place(level.value), ..label })
         }));
     }
-    let own = gap_lines(runs);
+    let own = touch_lines(runs);
     if !own.is_empty() {
         panel.spans = own.iter().map(|(span, _)| span.clone()).collect();
         panel.labels = own.into_iter().map(|(_, label)| label).chain(labels).collect();
@@ -115,17 +115,18 @@ fn response(runs: &[Compared<'_>], levels: &[f64], store: &mut ColumnStore) -> R
     Ok(figure)
 }
 
-/// A line at the gap of each run in its colour, where gaps differ; none where they do not.
-fn gap_lines(runs: &[Compared<'_>]) -> Vec<(Span, Label)> {
-    let gap = |run: &Compared<'_>| run.subject.monitors.first().and_then(|monitor| monitor.gap);
-    let first = runs.first().and_then(gap);
-    if runs.iter().all(|run| gap(run) == first) {
+/// A line where each run touches in its colour, where that differs; none where it does not.
+fn touch_lines(runs: &[Compared<'_>]) -> Vec<(Span, Label)> {
+    let touch = |run: &Compared<'_>| run.subject.monitors.first().and_then(|monitor| monitor.touch);
+    let first = runs.first().and_then(touch);
+    if runs.iter().all(|run| touch(run) == first) {
         return Vec::new();
     }
     let of_run = |(k, run): (usize, &Compared<'_>)| {
-        let y = vec![Some(gap(run)?)];
+        let touch = touch(run)?;
+        let y = vec![Some(touch.at)];
         let style = Style::line(color(k), FINE).with_dash(2);
-        let text = format!("gap of {}", run.name);
+        let text = format!("{} of {}", touch.name(), run.name);
         let label = Label { text, x: vec![None], y: y.clone(), color: color(k), level: None, side: Side::Above };
         Some((Span { axis: Direction::Y, at: y, by_amplitude: false, style }, label))
     };

@@ -3,7 +3,7 @@
 use super::axis::largest;
 use super::column_store::ColumnStore;
 use super::data::{Axis, Detail, Entry, Figure, Format, Kind, Label, Measure, Panel, Series, Side, Size, Unit};
-use super::references::{gap_label, gaps};
+use super::references::{touch_labels, touches};
 use super::style::{Color, MARK, MEDIUM, Shape, Style};
 use super::subject::Subject;
 use crate::overview::{BIRTH, DEATH, EventWords, MERGE, events_of, forcing_label, merge_verb};
@@ -63,14 +63,14 @@ pub fn figure(subject: &Subject<'_>, store: &mut ColumnStore) -> Result<Figure, 
     }
     // Curves along which something begins to touch lie on the line of the gap.
     let first = subject.monitors.get(..1).unwrap_or_default();
-    labels.extend(gap_label(first));
+    labels.extend(touch_labels(first));
     let panel = Panel {
         about: "Fold curves: amplitude at which branches turn back, over the forcing amplitude.",
         size: Size::Tall,
         x: vec![x],
         y: vec![y],
         series,
-        spans: gaps(first).into_iter().collect(),
+        spans: touches(first).into_iter().collect(),
         labels,
         has_leaders: true,
         ..Panel::default()

@@ -1,13 +1,14 @@
 //! Labels where there is room: beside their points, within the panel, off the curves and off each other.
 
 use super::data::Side;
+use super::line::{Line, cross};
 use super::rectangle::Rect;
 use super::strands::Strands;
 use super::text::LINE;
 
 /// Distances of a label from its point that are tried, for texts of [`TEXT`], and how many crossings of curves each is as
 /// bad as.
-const DISTANCES: [(f64, usize); 5] = [(3.0, 0), (8.0, 2), (20.0, 5), (40.0, 8), (70.0, 12)];
+const DISTANCES: [(f64, usize); 6] = [(3.0, 0), (8.0, 2), (20.0, 5), (40.0, 8), (70.0, 12), (110.0, 17)];
 /// Size of texts for which these distances are.
 const TEXT: f64 = 9.3;
 /// From this distance on a line leads from the label to its point.
@@ -34,6 +35,11 @@ const ABOVE: [(f64, f64); 8] =
 const BESIDE: [(f64, f64); 8] =
     [(1.0, -1.0), (1.0, 1.0), (1.0, 0.0), (-1.0, -1.0), (-1.0, 1.0), (-1.0, 0.0), (0.0, -1.0), (0.0, 1.0)];
 const LEVEL: [(f64, f64); 3] = [(1.0, 0.0), (1.0, -1.0), (1.0, 1.0)];
+
+/// Distances downwards, as shares of those to the right; all but the first where a line leads to the point.
+const SLOPES: [f64; 3] = [0.6, 1.4, 0.25];
+/// Labels are no farther from their points than this, for texts of [`TEXT`].
+const LONGEST: f64 = 120.0;
 
 /// How large a panel and its texts are, px.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -92,6 +98,7 @@ pub struct Room {
     strands: Strands,
     taken: Vec<Rect>,
     leaders: Vec<Point>,
+    lines: Vec<Line>,
 }
 
 impl Room {
@@ -116,6 +123,7 @@ impl Room {
             strands,
             taken: marks.map(|(point, half)| around(point, half)).collect(),
             leaders: Vec::new(),
+            lines: Vec::new(),
         }
     }
 
@@ -125,12 +133,12 @@ impl Room {
         let point = Some(place(at, self.field)).filter(is_somewhere)?;
         let spot = self.best(point, width, side)?;
         self.leaders.extend(way(&spot, point));
+        self.lines.extend(leader(&spot, point));
         self.taken.push(spot.area);
         Some(spot)
     }
 
     fn best(&self, point: Point, width: f64, side: Side) -> Option<Spot> {
-        let (scale, height) = (self.field.text / TEXT, LINE * self.field.text);
         let directions = match side {
             Side::Above => ABOVE.to_vec(),
             Side::Below => ABOVE.map(|(right, down)| (right, -down)).to_vec(),
@@ -139,14 +147,11 @@ impl Room {
         };
         let near = DISTANCES.iter().filter(|(distance, _)| *distance < self.reach);
         let spots = near.flat_map(|&(distance, penalty)| {
-            directions.iter().map(move |&(right, down)| {
-                let offset = (right * distance * scale, down * 0.6 * distance * scale);
-                let left = point.0 + offset.0 + 0.5 * (right - 1.0) * width;
-                let top = point.1 + offset.1 + 0.5 * (down - 1.0) * height;
-                let area = Rect { left, top, right: left + width, bottom: top + height };
-                let has_leader = offset.0.hypot(offset.1) > FAR * scale;
-                (Spot { anchor: (-right as i8, -down as i8), offset, has_leader, area }, penalty)
-            })
+            let slopes = if distance < FAR { &SLOPES[..1] } else { &SLOPES };
+            let places =
+                directions.iter().flat_map(move |side| slopes.iter().map(move |slope| (*side, slope * distance)));
+            let near = places.filter(move |(side, rise)| (side.0 * distance).hypot(side.1 * rise) <= LONGEST);
+            near.map(move |(side, rise)| (self.spot(point, width, side, (distance, rise)), penalty))
         });
         let free = spots.filter(|(spot, _)| self.is_free(spot, point));
         let own = self.strands.through(point);
@@ -160,13 +165,29 @@ impl Room {
         clear.min_by_key(|(covered, far, _)| CROSSING * covered + far).map(|(.., spot)| spot)
     }
 
+    /// Beside a point, right and down of it as `side` says, at distances for texts of [`TEXT`].
+    fn spot(&self, point: Point, width: f64, side: (f64, f64), distances: (f64, f64)) -> Spot {
+        let (scale, height) = (self.field.text / TEXT, LINE * self.field.text);
+        let offset = (side.0 * distances.0 * scale, side.1 * distances.1 * scale);
+        let left = point.0 + offset.0 + 0.5 * (side.0 - 1.0) * width;
+        let top = point.1 + offset.1 + 0.5 * (side.1 - 1.0) * height;
+        Spot {
+            anchor: (-side.0 as i8, -side.1 as i8),
+            offset,
+            has_leader: offset.0.hypot(offset.1) > FAR * scale,
+            area: Rect { left, top, right: left + width, bottom: top + height },
+        }
+    }
+
     /// Whether a label may be here, with the line that leads to its point.
     fn is_free(&self, spot: &Spot, point: Point) -> bool {
         let area = &spot.area;
         let is_across = area.left >= EDGE && area.right <= self.field.width - EDGE;
         let is_within = is_across && area.top >= 1.0 && area.bottom <= self.field.height - 1.0;
         let is_taken = |other: &Rect| area.overlaps(other) || way(spot, point).iter().any(|p| other.holds(p));
-        is_within && !self.taken.iter().any(is_taken) && !self.leaders.iter().any(|p| area.holds(p))
+        let is_crossed = |other: &Line| leader(spot, point).is_some_and(|own| cross(own, *other));
+        let is_apart = !self.leaders.iter().any(|p| area.holds(p)) && !self.lines.iter().any(is_crossed);
+        is_within && is_apart && !self.taken.iter().any(is_taken)
     }
 }
 
@@ -231,6 +252,11 @@ fn is_somewhere(point: &Point) -> bool {
     point.0.is_finite() && point.1.is_finite()
 }
 
+/// The line that leads from a label to its point, if there is one.
+fn leader(spot: &Spot, point: Point) -> Option<Line> {
+    spot.has_leader.then_some([point, (point.0 + spot.offset.0, point.1 + spot.offset.1)])
+}
+
 /// Points of the line that leads from a label to its point, up to the mark there.
 fn way(spot: &Spot, point: Point) -> Vec<Point> {
     let distance = spot.offset.0.hypot(spot.offset.1);
@@ -286,6 +312,21 @@ mod tests {
             assert!(spot.area.bottom <= 100.0 || spot.area.top >= 100.0, "{spot:?} is on the curve");
             assert!(!spot.area.overlaps(&around((150.0, 100.0), 3.0)), "{spot:?} is on the mark");
         }
+    }
+
+    /// However near to each other their points are.
+    #[test]
+    fn lines_of_labels_do_not_cross() {
+        let points: Vec<(f64, f64)> =
+            (0..8).map(|i| (0.4 + 0.02 * f64::from(i), 0.5 + 0.1 * f64::from(i % 3))).collect();
+        let marks: Vec<Mark> = points.iter().map(|&at| Mark { at, size: 6.0 }).collect();
+        let mut room = Room::new(FIELD, true, &[], &marks);
+        let take = |&at| Some(leader(&room.take(at, 40.0, Side::Above)?, place(at, FIELD)));
+        let found: Vec<Option<Line>> = points.iter().filter_map(take).collect();
+        let lines: Vec<Line> = found.iter().copied().flatten().collect();
+        assert!(found.len() > 5 && lines.len() > 2, "{found:?}");
+        let is_crossed = |line: &Line| lines.iter().any(|other| cross(*line, *other));
+        assert!(!lines.iter().any(is_crossed), "{lines:?}");
     }
 
     /// Between two curves a label is beside its own, or a line leads there.

@@ -87,7 +87,7 @@ pub fn figure(
     let alert = Style::line(Color::Alert, MEDIUM.min(thin)).with_dash(1);
     drawing.bars("windows not found", alert, missed.clone().map(|(value, window)| (value, window.omega)));
     drawing.points(
-        None,
+        "smallest A* of windows not found",
         Style::marks(Color::Alert, Shape::Cross, MARK, false),
         missed.map(|(value, window)| (window.omega_best, value)),
     );
@@ -120,7 +120,7 @@ pub fn figure(
         let name = format!("{name}, predicted");
         let style = Style::marks(Color::Ink, shape, PREDICTED, kind == EventKind::Merge);
         let of_kind = events().filter(|event| event.kind == kind);
-        drawing.points(Some(&name), style, of_kind.map(|event| (event.omega, event.threshold)));
+        drawing.points(&name, style, of_kind.map(|event| (event.omega, event.threshold)));
     }
     drawing.happens(subject, &y);
     let mut labels = Vec::new();
@@ -176,7 +176,7 @@ impl Drawing<'_> {
     /// Level lines with gaps between them.
     fn bars(&mut self, name: &str, style: Style, bars: impl Iterator<Item = (f64, (f64, f64))>) {
         let points = bars.flat_map(|(value, (low, high))| [(low, value), (high, value), (f64::NAN, f64::NAN)]);
-        self.points(Some(name), style, points);
+        self.points(name, style, points);
     }
 
     /// Thresholds of further modes that come onto the axis of A.
@@ -187,7 +187,7 @@ impl Drawing<'_> {
         let curves: Vec<(f64, f64)> = subject.further.iter().filter(is_shown).flat_map(curve).collect();
         let is_in_sight = curves.iter().any(|(omega, threshold)| x.shows(*omega) && y.shows(*threshold));
         let name = format!("threshold A* of further modes{}", if is_in_sight { "" } else { BEYOND });
-        self.points(Some(&name), Style::line(Color::Ink, FINE), curves.into_iter());
+        self.points(&name, Style::line(Color::Ink, FINE), curves.into_iter());
     }
 
     /// Fold curves.
@@ -196,7 +196,7 @@ impl Drawing<'_> {
         let place = |point: &CurvePoint| (point.omega, point.forcing);
         let curves = subject.curves.iter().filter(is_shown);
         let points = curves.flat_map(|curve| curve.points.iter().map(place).chain([(f64::NAN, f64::NAN)]));
-        self.points(Some("folds, computed"), Style::line(Color::Category(3), MEDIUM), points);
+        self.points("folds, computed", Style::line(Color::Category(3), MEDIUM), points);
     }
 
     /// Where isolas are born and branches merge on fold curves.
@@ -205,21 +205,19 @@ impl Drawing<'_> {
             let style = Style::marks(Color::Category(3), shape, COMPUTED, is_hollow);
             let found = || computed(subject, y, words.kind.name());
             let of_kind: Vec<(f64, f64)> = found().map(|p| (p.omega, p.forcing)).collect();
-            self.points(Some(&explained(words, found())), style, of_kind.into_iter());
+            self.points(&explained(words, found()), style, of_kind.into_iter());
         }
         let (wanted, shape, is_hollow, name) = CUSPS;
         let style = Style::marks(Color::Category(3), shape, MARK, is_hollow);
-        self.points(Some(name), style, computed(subject, y, wanted).map(|point| (point.omega, point.forcing)));
+        self.points(name, style, computed(subject, y, wanted).map(|point| (point.omega, point.forcing)));
     }
 
-    fn points(&mut self, name: Option<&str>, style: Style, points: impl Iterator<Item = (f64, f64)>) {
+    fn points(&mut self, name: &str, style: Style, points: impl Iterator<Item = (f64, f64)>) {
         let (x, y): (Vec<f64>, Vec<f64>) = points.unzip();
         if x.is_empty() {
             return;
         }
-        if let Some(name) = name {
-            self.name(name, style.clone());
-        }
+        self.name(name, style.clone());
         let (x, y) = (vec![self.store.exact(x)], vec![self.store.exact(y)]);
         self.series.push(Series { x, y, style, ..Series::default() });
     }

@@ -13,6 +13,7 @@ mod folds;
 mod frames;
 mod geometry;
 mod labels;
+mod line;
 mod map;
 mod modes;
 mod motion;

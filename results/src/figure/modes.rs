@@ -58,7 +58,12 @@ pub fn figure(
         style: Style::marks(Color::Ink, Shape::Circle, 0.8 * MARK, true),
         ..Series::default()
     };
-    series.extend((!places.is_empty()).then_some(peaks));
+    let entry = |(i, mode): (usize, &ModeShare)| Entry { frequency: Some(mode.frequency), ..named(i, mode) };
+    let mut legend: Vec<Entry> = backbone.modes.iter().enumerate().map(entry).collect();
+    if !places.is_empty() {
+        legend.push(Entry::new("peak of a mode, with what drives it", Kind::Line, peaks.style.clone()));
+        series.push(peaks);
+    }
     let values: Vec<Vec<f64>> = over.iter().map(|column| store.values(column, 1.0)).collect();
     let panel = Panel {
         about: "Share of each mode along the backbone",
@@ -69,16 +74,7 @@ pub fn figure(
         has_leaders: true,
         ..Panel::default()
     };
-    let entry = |(i, mode): (usize, &ModeShare)| Entry { frequency: Some(mode.frequency), ..named(i, mode) };
-    Ok(Figure {
-        name: "modes",
-        title: None,
-        columns: 1,
-        choice: "Over",
-        linked_x: false,
-        legend: backbone.modes.iter().enumerate().map(entry).collect(),
-        panels: vec![panel],
-    })
+    Ok(Figure { name: "modes", title: None, columns: 1, choice: "Over", linked_x: false, legend, panels: vec![panel] })
 }
 
 /// The mode followed is black and bold.

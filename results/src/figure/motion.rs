@@ -1,10 +1,9 @@
-//! One period at any point of a branch: displacements against the casing, pressures, spectrum, shape of the tip.
+//! One period at any point of a branch: how far gaps close, displacements, pressures, spectrum, shape of the tip.
 
 use super::column_store::ColumnStore;
 use super::data::{
     Axis, Direction, Entry, Figure, Kind, Label, Panel, Quantity, Series, Side, Signal, Size, Span, Unit,
 };
-use super::places::Placement;
 use super::style::{BOLD, Color, FINE, MARK, MEDIUM, Shape, Style, THIN};
 use super::units::convert_length;
 use crate::curves::{MarchedPeriod, Motions, Node};
@@ -14,7 +13,11 @@ use crate::summary_table::LengthUnit;
 use serde::Serialize;
 use solver::formulation::harmonics::{complex, evaluate, width};
 use std::f64::consts::TAU;
+use std::ops::Range;
 
+/// Panels of displacements: of contact nodes, and of monitored dofs.
+const CLOSING: &str = "Closing of the gap";
+const DISPLACEMENT: &str = "Displacement of monitored dofs";
 /// Instants of a period at which curves are computed.
 const INSTANTS: usize = 512;
 /// Instants at which the shape of the tip is drawn, evenly over the period T.
@@ -57,13 +60,20 @@ pub fn figure(motions: &Motions) -> Result<Figure, String> {
 /// The figure of any motion of these nodes.
 pub fn template(motions: &Motions) -> Figure {
     let nodes = &motions.nodes;
-    let has_contact = nodes.iter().any(|node| node.gap.is_some());
-    let mut panels = vec![displacements(nodes, has_contact)];
-    panels.extend(has_contact.then(|| pressures(nodes)));
+    let touching = motions.touching();
+    let mut panels = Vec::new();
+    if touching > 0 {
+        panels.extend([closing(nodes, touching), pressures(nodes, touching)]);
+    }
+    panels.extend((touching < nodes.len()).then(|| displacements(nodes, touching)));
     panels.push(spectrum(nodes, motions.harmonics));
-    panels.extend((nodes.len() > 1).then(|| shapes(nodes)));
+    panels.extend((motions.along().len() > 1).then(|| shapes(motions)));
     let entry = |(k, node): (usize, &Node)| Entry::new(node.name.clone(), Kind::Line, look(k, nodes.len()));
-    let legend = nodes.iter().enumerate().map(entry).filter(|_| nodes.len() > 1).collect();
+    let nodes_told = nodes.iter().enumerate().map(entry).filter(|_| nodes.len() > 1);
+    let has_lines = |name| panels.iter().any(|panel: &Panel| panel.about == name && !panel.spans.is_empty());
+    let lines = [(CLOSING, "gap", gap()), (DISPLACEMENT, "contact begins", begin())];
+    let lines = lines.into_iter().filter(|line| has_lines(line.0));
+    let legend = nodes_told.chain(lines.map(|(_, text, style)| Entry::new(text, Kind::Line, style))).collect();
     Figure { name: "motion", title: None, columns: panels.len().min(2), choice: "", linked_x: false, legend, panels }
 }
 
@@ -85,7 +95,7 @@ pub fn drawn(mut figure: Figure, motions: &Motions, coefficients: &[f64], store:
             let Some(signal) = series.signal.take() else { continue };
             let (x, y) = values(signal, motions, coefficients);
             if signal.of == Quantity::Shapes {
-                panel.labels.extend(instants(&x, &y, motions.nodes.len()));
+                panel.labels.extend(instants(&x, &y, motions.along().len()));
             }
             (series.x, series.y) = (vec![store.exact(x)], vec![store.exact(y)]);
         }
@@ -93,20 +103,22 @@ pub fn drawn(mut figure: Figure, motions: &Motions, coefficients: &[f64], store:
     figure
 }
 
-/// With the marched period in the panel of displacements, over those of the balance.
-pub fn with_marched(mut figure: Figure, marched: &MarchedPeriod, store: &mut ColumnStore) -> Figure {
+/// With the marched period in the panels of displacements, over those of the balance.
+pub fn with_marched(mut figure: Figure, motions: &Motions, marched: &MarchedPeriod, store: &mut ColumnStore) -> Figure {
     // Dotted, wider and of another colour, so that what lies below is seen.
     let style = Style::line(Color::Category(2), MEDIUM).with_dash(2);
-    let Some(panel) = figure.panels.first_mut() else { return figure };
-    let highest = marched.displacements.iter().flatten().copied();
-    if let Some(axis) = panel.y.first_mut() {
-        let (low, high) = highest.fold(axis.range, |(low, high), x| (low.min(x), high.max(x)));
-        axis.range = (low, high);
-    }
     let x = store.exact(marched.times.clone());
-    for displacement in &marched.displacements {
-        let y = vec![store.exact(displacement.clone())];
-        panel.series.push(Series { x: vec![x.clone()], y, style: style.clone(), ..Series::default() });
+    let (touching, others) = marched.displacements.split_at(motions.touching());
+    for (title, displacements) in [(CLOSING, touching), (DISPLACEMENT, others)] {
+        let Some(panel) = figure.panels.iter_mut().find(|panel| panel.about == title) else { continue };
+        if let Some(axis) = panel.y.first_mut() {
+            let all = displacements.iter().flatten().copied();
+            axis.range = all.fold(axis.range, |(low, high), x| (low.min(x), high.max(x)));
+        }
+        for displacement in displacements {
+            let y = vec![store.exact(displacement.clone())];
+            panel.series.push(Series { x: vec![x.clone()], y, style: style.clone(), ..Series::default() });
+        }
     }
     let text = format!("marched in time ({})", verdict_words(verdict_name(marched.verdict)).word);
     figure.legend.push(Entry::new(text, Kind::Line, style));
@@ -119,14 +131,14 @@ fn look(node: usize, count: usize) -> Style {
     Style::line(Color::Level(share), THIN).with_dash(node % DASHES)
 }
 
-fn of_each(nodes: &[Node], of: Quantity, style: impl Fn(Style) -> Style) -> Vec<Series> {
-    let series = |(node, named): (usize, &Node)| Series {
-        name: vec![named.name.clone()],
+fn of_each(nodes: &[Node], range: Range<usize>, of: Quantity, style: impl Fn(Style) -> Style) -> Vec<Series> {
+    let series = |node: usize| Series {
+        name: vec![nodes[node].name.clone()],
         style: style(look(node, nodes.len())),
         signal: Some(Signal { node, of, instants: None }),
         ..Series::default()
     };
-    nodes.iter().enumerate().map(series).collect()
+    range.map(series).collect()
 }
 
 fn of_all(of: Quantity, style: Style, instants: Option<usize>) -> Series {
@@ -150,54 +162,67 @@ fn period() -> Axis {
     Axis::exact("time (periods)", Unit::none(), (0.0, 1.0))
 }
 
-fn displacements(nodes: &[Node], has_contact: bool) -> Panel {
-    let about = if has_contact { "Displacement towards the stop" } else { "Displacement" };
-    let mut gaps: Vec<f64> = nodes.iter().flat_map(|node| node.gap.iter().chain(&node.stops)).copied().collect();
-    gaps.sort_by(f64::total_cmp);
-    gaps.dedup();
-    let style = Style::line(Color::Soft, FINE).with_dash(2);
-    let span = |gap: &f64| Span { axis: Direction::Y, at: vec![Some(*gap)], by_amplitude: false, style: style.clone() };
-    let label = |gap: &f64| Label {
-        text: "gap".into(),
-        x: vec![None],
-        y: vec![Some(*gap)],
-        color: Color::Soft,
-        level: None,
-        side: Side::Above,
-    };
-    let labels: Vec<Label> = gaps.first().map(label).into_iter().collect();
-    let placements = labels.iter().map(|_| Placement::fixed(0, "bottom_right", (-4, -2))).collect();
-    Panel {
-        spans: gaps.iter().map(span).collect(),
-        labels,
-        placements,
-        ..panel(about, period(), "displacement", of_each(nodes, Quantity::Displacement, |style| style))
-    }
+/// The line of a gap.
+fn gap() -> Style {
+    Style::line(Color::Soft, THIN).with_dash(1)
 }
 
-fn pressures(nodes: &[Node]) -> Panel {
-    panel("Contact pressure", period(), "contact pressure", of_each(nodes, Quantity::Pressure, |style| style))
+/// The line where contact begins.
+fn begin() -> Style {
+    Style::line(Color::Soft, FINE).with_dash(2)
+}
+
+/// How far contact nodes go towards what they touch, with their gaps.
+fn closing(nodes: &[Node], touching: usize) -> Panel {
+    let series = of_each(nodes, 0..touching, Quantity::Displacement, |style| style);
+    let spans = lines(nodes.iter().filter_map(|node| node.gap), &gap());
+    Panel { spans, ..panel(CLOSING, period(), "closing of the gap", series) }
+}
+
+/// Of monitored dofs, with the places where stops begin to act.
+fn displacements(nodes: &[Node], touching: usize) -> Panel {
+    let series = of_each(nodes, touching..nodes.len(), Quantity::Displacement, |style| style);
+    let spans = lines(nodes[touching..].iter().flat_map(|node| &node.stops).copied(), &begin());
+    Panel { spans, ..panel(DISPLACEMENT, period(), "displacement", series) }
+}
+
+/// Lines across at these values.
+fn lines(values: impl Iterator<Item = f64>, style: &Style) -> Vec<Span> {
+    let mut values: Vec<f64> = values.collect();
+    values.sort_by(f64::total_cmp);
+    values.dedup();
+    let line = |at| Span { axis: Direction::Y, at: vec![Some(at)], by_amplitude: false, style: style.clone() };
+    values.into_iter().map(line).collect()
+}
+
+fn pressures(nodes: &[Node], touching: usize) -> Panel {
+    let series = of_each(nodes, 0..touching, Quantity::Pressure, |style| style);
+    panel("Contact pressure", period(), "contact pressure", series)
 }
 
 fn spectrum(nodes: &[Node], harmonics: usize) -> Panel {
     let x = Axis::around("harmonic k", Unit::none(), [-0.4, harmonics as f64 + 0.4]);
     let thin = |style: Style| Style { width: 0.6 * THIN, ..style }.with_marker(Shape::Circle, 0.5 * MARK, false);
     let y = Axis::logarithmic("harmonics |cₖ|", Unit::si("m"), [1e-6, 1e-3]);
-    Panel { y: vec![y], ..panel("Spectrum", x, "", of_each(nodes, Quantity::Spectrum, thin)) }
+    Panel { y: vec![y], ..panel("Spectrum", x, "", of_each(nodes, 0..nodes.len(), Quantity::Spectrum, thin)) }
 }
 
-fn shapes(nodes: &[Node]) -> Panel {
+fn shapes(motions: &Motions) -> Panel {
+    let nodes = motions.along();
     let ticks = nodes.iter().enumerate().map(|(k, node)| ((k + 1) as f64, node.name.clone())).collect();
-    let along = if nodes.iter().any(|node| node.gap.is_some()) { "node" } else { "monitored dof" };
+    let (along, up) = match motions.touching() {
+        0 => ("monitored dof", "displacement"),
+        _ => ("contact node", "closing of the gap"),
+    };
     let count = if nodes.len() < CROSSING { SHAPES.len() / 2 } else { SHAPES.len() };
     let x = Axis { ticks, ..Axis::exact(along, Unit::none(), (0.8, nodes.len() as f64 + ROOM)) };
     let series = vec![
-        of_all(Quantity::Gap, Style::line(Color::Soft, THIN).with_dash(1), None),
+        of_all(Quantity::Gap, gap(), None),
         of_all(Quantity::Shapes, Style::line(Color::Shade, THIN), Some(count)),
         of_all(Quantity::Shape, Style::line(Color::Category(1), BOLD).with_marker(Shape::Circle, MARK, false), None),
     ];
     // A label that has to stand away from its shape is led to it.
-    Panel { has_leaders: true, ..panel("Shape at instants of the period", x, "displacement", series) }
+    Panel { has_leaders: true, ..panel("Shape at instants of the period", x, up, series) }
 }
 
 /// Labels of the shapes beside their last node.
@@ -236,12 +261,12 @@ fn up(panel: &Panel, motions: &Motions, coefficients: &[f64]) -> Axis {
 fn values(signal: Signal, motions: &Motions, coefficients: &[f64]) -> (Vec<f64>, Vec<f64>) {
     let nc = width(motions.harmonics);
     let part = |node: usize, which: usize| coefficients.chunks(nc).nth(2 * node + which).unwrap_or(&[0.0]);
-    let count = motions.nodes.len();
+    let along = motions.along();
     let over_period = |which: usize| {
         let at = |i: usize| i as f64 / INSTANTS as f64;
         (0..=INSTANTS).map(|i| (at(i), evaluate(part(signal.node, which), TAU * at(i))[0])).unzip()
     };
-    let places = (1..=count).map(|place| place as f64);
+    let places = (1..=along.len()).map(|place| place as f64);
     match signal.of {
         Quantity::Displacement => over_period(0),
         Quantity::Pressure => {
@@ -253,20 +278,55 @@ fn values(signal: Signal, motions: &Motions, coefficients: &[f64]) -> (Vec<f64>,
                 0 => part(node, 0)[0].abs(),
                 k => complex(part(node, 0), k).norm(),
             };
-            let all = (0..count).flat_map(|node| (0..=motions.harmonics).map(move |k| size(node, k)));
+            let all = (0..motions.nodes.len()).flat_map(|node| (0..=motions.harmonics).map(move |k| size(node, k)));
             let floor = FLOOR * all.fold(0.0, f64::max);
             let drawn = (0..=motions.harmonics).map(|k| (k as f64, size(signal.node, k)));
             drawn.filter(|(_, size)| *size > floor).unzip()
         }
-        Quantity::Gap => (places.collect(), motions.nodes.iter().map(|node| node.gap.unwrap_or(f64::NAN)).collect()),
+        Quantity::Gap => (places.collect(), along.iter().map(|node| node.gap.unwrap_or(f64::NAN)).collect()),
         Quantity::Shape | Quantity::Shapes => {
             let instants = signal.instants.unwrap_or(1);
             let at = |i: usize| {
                 let phase = TAU * i as f64 / instants as f64;
-                let shape = (0..count).map(move |node| ((node + 1) as f64, evaluate(part(node, 0), phase)[0]));
+                let shape = (0..along.len()).map(move |node| ((node + 1) as f64, evaluate(part(node, 0), phase)[0]));
                 shape.chain([(f64::NAN, f64::NAN)])
             };
             (0..instants).flat_map(at).unzip()
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fixture::Study;
+
+    #[test]
+    fn gaps_close_beside_what_monitored_dofs_do() {
+        let study = Study::new("two_masses_stop", 3, &["0.02"]);
+        let motions = Motions::new(&study.model, 3);
+        let figure = template(&motions);
+        let up = |panel: &Panel| (panel.about, panel.y[0].title.clone(), panel.series.len());
+        let panels: Vec<(&str, String, usize)> = figure.panels.iter().map(up).collect();
+        let expected = [
+            (CLOSING, "closing of the gap", 1),
+            ("Contact pressure", "contact pressure", 1),
+            (DISPLACEMENT, "displacement", 2),
+            ("Spectrum", "harmonics |cₖ|", 3),
+        ];
+        assert_eq!(panels, expected.map(|(about, title, count)| (about, title.to_string(), count)));
+        let legend = figure.legend.iter().map(|entry| entry.text.as_str());
+        assert_eq!(legend.collect::<Vec<_>>(), ["stop", "x1", "x2", "gap"]);
+        // Marched displacements lie over those of the same places.
+        let marched = MarchedPeriod {
+            omega: 1.0,
+            verdict: solver::stability::multipliers::Verdict::Stable,
+            times: vec![0.0, 1.0],
+            displacements: vec![vec![1.0, 2.0], vec![3.0, 4.0], vec![5.0, 6.0]],
+        };
+        let mut store = ColumnStore::default();
+        let figure = with_marched(figure, &motions, &marched, &mut store);
+        let last = |panel: &Panel| store.values(&panel.series.last().unwrap().y[0], 1.0);
+        assert_eq!([0, 2].map(|panel| last(&figure.panels[panel])), [[1.0, 2.0], [5.0, 6.0]]);
     }
 }

@@ -34,10 +34,3 @@ pub enum RunPoint {
     /// Between its ends.
     Middle,
 }
-
-impl Placement {
-    /// One label in the same place at every width.
-    pub fn fixed(label: usize, anchor: &'static str, (right, down): (i32, i32)) -> Self {
-        Self { choice: 0, width: 0, spots: vec![(label, anchor, right, down, 0)] }
-    }
-}

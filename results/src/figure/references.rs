@@ -1,4 +1,4 @@
-//! Backbones and clearances, for comparison in figures of amplitudes.
+//! Backbones, and where contact begins, for comparison in figures of amplitudes.
 
 use super::column_store::ColumnStore;
 use super::data::{Axis, Direction, Label, Series, Side, Span};
@@ -50,23 +50,28 @@ pub(super) fn further_backbone(backbone: &BackboneCurve, columns: &mut ColumnSto
     }
 }
 
-/// A line at the clearance of each monitored dof, if one has a clearance.
-pub fn gaps(monitors: &[Monitor]) -> Option<Span> {
-    let at: Vec<Option<f64>> = monitors.iter().map(|monitor| monitor.gap).collect();
+/// A line where each monitored dof touches, if one does.
+pub fn touches(monitors: &[Monitor]) -> Option<Span> {
+    let at: Vec<Option<f64>> = monitors.iter().map(|monitor| Some(monitor.touch?.at)).collect();
     let style = Style::line(Color::Soft, FINE).with_dash(2);
     at.iter().any(Option::is_some).then_some(Span { axis: Direction::Y, at, by_amplitude: false, style })
 }
 
-/// The label of that line.
-pub fn gap_label(monitors: &[Monitor]) -> Vec<Label> {
-    let gap = monitors.iter().find_map(|monitor| monitor.gap);
-    let label = |_| Label {
-        text: "gap".into(),
-        x: vec![None],
-        y: monitors.iter().map(|monitor| monitor.gap).collect(),
-        color: Color::Soft,
-        level: None,
-        side: Side::Above,
+/// The labels of that line: of dofs that move along the normal, and of those that do not.
+pub fn touch_labels(monitors: &[Monitor]) -> Vec<Label> {
+    let mut names: Vec<&str> = monitors.iter().filter_map(|monitor| Some(monitor.touch?.name())).collect();
+    names.sort_unstable();
+    names.dedup();
+    let label = |name: &str| {
+        let place = |monitor: &Monitor| monitor.touch.filter(|touch| touch.name() == name).map(|touch| touch.at);
+        Label {
+            text: name.into(),
+            x: vec![None],
+            y: monitors.iter().map(place).collect(),
+            color: Color::Soft,
+            level: None,
+            side: Side::Above,
+        }
     };
-    gap.map(label).into_iter().collect()
+    names.into_iter().map(label).collect()
 }

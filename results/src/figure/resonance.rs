@@ -20,6 +20,8 @@ const BESIDE: f64 = 3.0;
 const CLOSE: f64 = 0.05;
 /// Axes begin at zero unless the lowest forcing amplitude shown is more than this share of the highest.
 const FROM_ZERO: f64 = 0.3;
+/// Room for the labels of births and merges below and above the curves, as a share of the axis.
+const HEADROOM: f64 = 0.1;
 /// Points of a curve that have marks at most.
 const MARKED: usize = 60;
 
@@ -85,8 +87,8 @@ fn drawn(
     }
     let shown = values(|curve| &curve.value).filter(|&value| value >= lowest);
     let x = forcing(shown, Unit::si(unit)).of(Measure::Forcing);
-    let frequency = Axis::around(frequency(harmonic), Unit::si("rad/s"), values(|curve| &curve.omega));
-    let frequency = frequency.of(Measure::Frequency);
+    let mut frequency = Axis::around(frequency(harmonic), Unit::si("rad/s"), values(|curve| &curve.omega));
+    frequency = frequency.of(Measure::Frequency);
     let unit = Unit::of_lengths(largest(amplitudes.clone()));
     let amplitude = Axis::around(format!("largest |{monitor}|"), unit, amplitudes.chain([0.0]));
     let amplitude = amplitude.of(Measure::Response);
@@ -94,6 +96,11 @@ fn drawn(
     let is_shown = |(event, _): &&(&Event, String)| (0.0..=1.0).contains(&x.share(event.threshold));
     let named: Vec<&(&Event, String)> = events.iter().filter(is_shown).collect();
     let shown: Vec<&Event> = named.iter().map(|(event, _)| *event).collect();
+    if !named.is_empty() {
+        let (low, high) = frequency.range;
+        let room = HEADROOM * (high - low);
+        frequency.range = (low - room, high + room);
+    }
     let panel = |y: Axis, about| Panel {
         about,
         size: Size::Low,

@@ -7,7 +7,7 @@ use super::coincidence::Coincidence;
 use super::column_store::ColumnStore;
 use super::data::{Axis, Detail, Entry, Figure, Format, Kind, Label, Panel, Series, Side, Size};
 use super::narrow;
-use super::references::{backbone_series, further_backbone, further_within, gap_label, gaps};
+use super::references::{backbone_series, further_backbone, further_within, touch_labels, touches};
 use super::smooth::smooth;
 use super::special::{mark, special_points, word};
 use super::stability::Marking;
@@ -132,7 +132,7 @@ impl<'r> Outline<'r> {
             x: vec![across],
             y: up,
             series: backbone.map(backbone_series).unwrap_or_default(),
-            spans: gaps(self.subject.monitors).into_iter().collect(),
+            spans: touches(self.subject.monitors).into_iter().collect(),
             labels: self.labels(),
             has_leaders: true,
             ..Panel::default()
@@ -244,7 +244,7 @@ impl<'r> Outline<'r> {
             };
             different.into_iter().map(label).filter(|label| label.y.iter().any(Option::is_some))
         };
-        gap_label(monitors).into_iter().chain(kinds.flat_map(of).flat_map(labels).take(LABELLED)).collect()
+        touch_labels(monitors).into_iter().chain(kinds.flat_map(of).flat_map(labels).take(LABELLED)).collect()
     }
 }
 

@@ -24,16 +24,16 @@ const LEAST: (f64, f64) = (60.0, 40.0);
 /// A figure of some size.
 #[derive(Debug)]
 pub struct Layout<'f> {
-    /// Title with the middle of its line.
-    pub title: Option<(&'f str, (f64, f64))>,
+    /// Lines of the title with their middles.
+    pub title: Placed<'f, str>,
     /// Entries of the legend with the left ends of their lines.
-    pub legend: Placed<'f>,
+    pub legend: Placed<'f, Entry>,
     /// Panels.
     pub panels: Vec<Place<'f>>,
 }
 
-/// Entries of a legend with the left ends of their lines.
-type Placed<'f> = Vec<(&'f Entry, (f64, f64))>;
+/// What stands above the panels, each with its point.
+type Placed<'f, T> = Vec<(&'f T, (f64, f64))>;
 
 /// A panel in its place.
 #[derive(Debug)]
@@ -66,8 +66,11 @@ impl<'f> Layout<'f> {
     pub fn new(figure: &'f Figure, choice: usize, (width, height): (f64, f64), font: &Font) -> Option<Self> {
         let mut top = PADDING;
         let line = LINE * TITLE;
-        let title = figure.title.as_deref().map(|title| (title, (0.5 * width, top + 0.5 * line)));
-        top += if title.is_some() { line + 2.0 } else { 0.0 };
+        let mut title = Vec::new();
+        for text in figure.title.iter().flat_map(|title| in_lines(title, width - 2.0 * PADDING, font)) {
+            title.push((text, (0.5 * width, top + 0.5 * line)));
+            top += line + 2.0;
+        }
         let (legend, legend_height) = legend(&figure.legend, width, top, font);
         top += legend_height;
 
@@ -141,7 +144,7 @@ fn widest(ticks: &[Tick], font: &Font) -> f64 {
 }
 
 /// Entries in rows, each row in the middle, and the height of all.
-fn legend<'f>(entries: &'f [Entry], width: f64, top: f64, font: &Font) -> (Placed<'f>, f64) {
+fn legend<'f>(entries: &'f [Entry], width: f64, top: f64, font: &Font) -> (Placed<'f, Entry>, f64) {
     let line = LINE * TICK;
     let room = width - 2.0 * PADDING;
     let mut rows: Vec<Vec<(&Entry, f64)>> = Vec::new();
@@ -170,6 +173,11 @@ fn legend<'f>(entries: &'f [Entry], width: f64, top: f64, font: &Font) -> (Place
     (placed, height)
 }
 
+/// The lines of a title: one or, where that is too wide, one for each of its parts.
+fn in_lines<'t>(title: &'t str, width: f64, font: &Font) -> Vec<&'t str> {
+    if font.width(title, TITLE) <= width { vec![title] } else { title.split("; ").collect() }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -187,6 +195,20 @@ mod tests {
             legend: Vec::new(),
             panels: (0..panels).map(|_| panel()).collect(),
         }
+    }
+
+    #[test]
+    fn long_titles_have_lines() {
+        let font = Font::bundled();
+        let title = "A = 20, main, point 3; marched there";
+        assert_eq!(in_lines(title, 600.0, &font), [title]);
+        let layout = |title: &str| {
+            let figure = Figure { title: Some(title.into()), ..figure(1, 1) };
+            let layout = Layout::new(&figure, 0, (180.0, 200.0), &font).unwrap();
+            (layout.title.len(), layout.panels[0].frame.top)
+        };
+        let (long, short) = (layout(title), layout("title"));
+        assert!(long.0 == 2 && short.0 == 1 && long.1 > short.1, "{long:?} and {short:?}");
     }
 
     #[test]

@@ -48,7 +48,7 @@ pub fn sheet(
             let known = known.and_then(|known| known.verdicts().get(index).copied().flatten()).filter(|_| is_there);
             let known = known.filter(|known| matches!(known, Verdict::Stable | Verdict::Unstable | Verdict::Marginal));
             let period = MarchedPeriod { verdict: known.unwrap_or(period.verdict), ..period };
-            figure = motion_marched(figure, &period, &mut columns);
+            figure = motion_marched(figure, motions, &period, &mut columns);
             match written(period.omega) {
                 same if same == omega => "marched there".into(),
                 other => format!("marched at {other} {unit}, for at this frequency time marching has no such motion"),

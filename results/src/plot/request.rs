@@ -21,7 +21,7 @@ pub enum FigureName {
     Resonance,
     /// Contributions of the modes along the backbone.
     Modes,
-    /// One period at a point of a branch: displacements, pressures, spectrum, shape of the tip.
+    /// One period at a point of a branch: gaps, displacements, pressures, spectrum, shape of the tip.
     Motion,
 }
 
@@ -162,7 +162,9 @@ impl FigureName {
             Self::Folds => "Amplitude at which branches turn back, over the forcing amplitude, with births and merges",
             Self::Resonance => "Frequency and size of the largest response over the forcing amplitude, three ways",
             Self::Modes => "Contributions of the modes along the backbone",
-            Self::Motion => "One period at a point of a branch: displacements, pressures, spectrum, shape of the tip",
+            Self::Motion => {
+                "One period at a point of a branch: gaps, displacements, pressures, spectrum, shape of the tip"
+            }
         }
     }
 

@@ -50,8 +50,8 @@ impl<'f> Canvas<'f> {
 
     /// Title and legend.
     pub fn head(&mut self, layout: &Layout<'_>) {
-        if let Some((title, middle)) = layout.title {
-            self.write(title, TITLE, middle, Align::Centre, LIGHT.ink);
+        for (title, middle) in &layout.title {
+            self.write(title, TITLE, *middle, Align::Centre, LIGHT.ink);
         }
         for (entry, left) in &layout.legend {
             self.entry(entry, *left);

@@ -315,8 +315,8 @@ fn motion_in_contact() {
     let dir = tempdir().unwrap();
     let (store, _) = Study::new("two_masses_stop", 5, &["0.1"]).finished(&dir.path().join("run"));
     let drawn = sheet(store.dir(), &["--figure", "motion"]).unwrap();
-    // Displacements, pressures and spectrum; one contact node has no shape.
-    assert_eq!(drawn.figure.panels.len(), 3);
+    // How far the gap closes, pressures, monitored dofs and spectrum; one contact node has no shape.
+    assert_eq!(drawn.figure.panels.len(), 4);
 }
 
 #[test]

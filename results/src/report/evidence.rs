@@ -1,6 +1,6 @@
 //! What the answers of a report are drawn from.
 
-use crate::curves::BackboneCurve;
+use crate::curves::{BackboneCurve, Monitor, Touch};
 use crate::overview::{Excitation, Lesser, Level, LookedFor, has_joints, undetermined};
 use crate::store::{CurveRow, MotionRow, PushRow, SearchCounts};
 use crate::summary_table::Units;
@@ -118,8 +118,8 @@ pub struct Structure {
     pub monitor: String,
     /// All monitored dofs, that one first.
     pub monitors: Vec<String>,
-    /// Its clearance to the casing, m.
-    pub gap: Option<f64>,
+    /// Where it touches the casing.
+    pub touch: Option<Touch>,
     /// Number of modes.
     pub modes: usize,
     /// Whether there are joints, which may stick.
@@ -143,11 +143,11 @@ impl Structure {
     }
 
     /// Of a model, amplitudes being those of this dof.
-    pub fn new(model: &Model, monitor: &str, gap: Option<f64>) -> Self {
+    pub fn new(model: &Model, monitor: &Monitor) -> Self {
         Self {
-            monitor: monitor.into(),
+            monitor: monitor.name.clone(),
             monitors: model.monitors().iter().map(|&dof| model.dofs()[dof].clone()).collect(),
-            gap,
+            touch: monitor.touch,
             modes: model.size(),
             has_joints: has_joints(model),
             harmonic: model.forcing().harmonic,

@@ -168,7 +168,7 @@ impl Report {
             search: omissions.read("What became of folds is", reader.search_counts()).unwrap_or_default(),
             why_no_folds: why_no_folds(&model, &header.settings),
             stage,
-            structure: Structure::new(&model, &monitors[0].name, monitors[0].gap),
+            structure: Structure::new(&model, &monitors[0]),
             harmonics: header.settings.harmonics.count,
             least_added: least_added(&model, reader.order().is_some()),
             bounds: bounds(header.settings.frequency, reach.map(|reach| reach.frequency), reader.order().is_some()),

@@ -8,6 +8,7 @@ mod tests;
 use super::evidence::{Evidence, OrderFound};
 use super::losses::{losses, named, unknown_beyond};
 use super::ranges::{in_words, joined, over, runs};
+use crate::curves::Touch;
 use crate::overview::{
     BranchRow, Level, UNTOUCHED, Unforced, around_largest, beyond, events_sentence, highest, is_untouched, modes,
     not_followed_sentence, passed_over_sentence, reach_sentence, sampled, shift_sentence, truncation, turned_sliding,
@@ -147,7 +148,11 @@ impl<'r> Evidence<'r> {
             parts.push(nothing.into());
             return parts.join(" ");
         };
-        let gap = self.structure.gap.map(|gap| format!(" (gap {})", self.length(gap))).unwrap_or_default();
+        let touch = |touch: Touch| match self.length(touch.at) {
+            gap if touch.is_gap => format!(" (gap {gap})"),
+            place => format!(" (contact begins at {place})"),
+        };
+        let touch = self.structure.touch.map(touch).unwrap_or_default();
         let at_monitor = |row: &BranchRow| format!("{} at {}", self.size(row), self.structure.monitor);
         let on = if largest.is_main() { "the main branch".to_string() } else { largest.name() };
         let place = format!("at {} and A = {}", self.frequency(largest.omega_at_max), level.amplitude);
@@ -171,7 +176,8 @@ impl<'r> Evidence<'r> {
             None => parts.push(self.no_isola()),
         }
         let at = parts.len() - usize::from(largest_first);
-        parts.insert(at, format!("The largest computed response, {}{gap}, is on {on}, {place}.", at_monitor(largest)));
+        parts
+            .insert(at, format!("The largest computed response, {}{touch}, is on {on}, {place}.", at_monitor(largest)));
         parts.extend(passed_over_sentence(self.levels, |x| self.length(x)));
         parts.join(" ")
     }

@@ -133,6 +133,9 @@ impl Deref for Store {
 }
 
 impl Store {
+    /// The file that tells who has a run, beside [`FILE`].
+    pub const LOCK: &str = LOCK;
+
     /// Creates a run in folder `dir`, at the stage where its backbone is computed.
     ///
     /// # Errors

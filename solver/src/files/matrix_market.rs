@@ -106,7 +106,7 @@ impl Reader<'_> {
             }
             let i: usize = self.number(line, i, "a row number")?;
             let j: usize = self.number(line, j, "a column number")?;
-            let value = self.value(line, value)?;
+            let value = self.value(line, (i, j), value)?;
             if i == 0 || j == 0 || i > matrix.rows() || j > matrix.cols() {
                 let (rows, cols) = (matrix.rows(), matrix.cols());
                 return self.error(line, format!("entry ({i}, {j}) is outside of 1..{rows} × 1..{cols}"));
@@ -144,7 +144,7 @@ impl Reader<'_> {
                 let [word] = words[..] else {
                     return self.error(line, format!("expected one value, found {} words", words.len()));
                 };
-                matrix[(i, j)] = self.value(line, word)?;
+                matrix[(i, j)] = self.value(line, (row, col), word)?;
                 if symmetric {
                     matrix[(j, i)] = matrix[(i, j)];
                 }
@@ -156,9 +156,17 @@ impl Reader<'_> {
         }
     }
 
-    fn value(&self, line: usize, word: &str) -> Result<f64, ModelError> {
-        let value: f64 = self.number(line, word, "a number (written like -1.5e3)")?;
-        if value.is_finite() { Ok(value) } else { self.error(line, format!("`{word}` is not a finite number")) }
+    fn value(&self, line: usize, (row, col): (usize, usize), word: &str) -> Result<f64, ModelError> {
+        let finite = word.parse().ok().filter(|value: &f64| value.is_finite());
+        finite.map_or_else(
+            || {
+                self.error(
+                    line,
+                    format!("entry ({row}, {col}) is `{word}`; a finite number is needed, written like -1.5e3"),
+                )
+            },
+            Ok,
+        )
     }
 }
 
@@ -213,8 +221,9 @@ mod tests {
         refused(&format!("{COORDINATE}2 2 2\n1 1 5.0\n"), &["1 of 2 entries"]);
         refused(&format!("{COORDINATE}2 2 1\n1 1 5.0\n2 2 5.0\n"), &["line 4", "more entries"]);
         refused(&format!("{COORDINATE}2 2 1\n1 1\n"), &["line 3", "2 words"]);
-        refused(&format!("{COORDINATE}2 2 1\n1 1 1,5\n"), &["line 3", "`1,5`"]);
-        refused(&format!("{COORDINATE}2 2 1\n1 1 nan\n"), &["line 3", "`nan`", "finite"]);
+        refused(&format!("{COORDINATE}2 2 1\n1 1 1,5\n"), &["line 3", "(1, 1)", "`1,5`", "-1.5e3"]);
+        refused(&format!("{COORDINATE}2 2 1\n2 1 nan\n"), &["line 3", "(2, 1)", "`nan`", "finite"]);
+        refused("%%MatrixMarket matrix array real general\n1 2\n1\ninf\n", &["line 4", "(1, 2)", "`inf`", "finite"]);
         refused("%%MatrixMarket matrix array real general\n1 1\n", &["(1, 1)"]);
         refused("%%MatrixMarket matrix array real general\n1 1\n1\n2\n", &["line 4", "more values"]);
     }

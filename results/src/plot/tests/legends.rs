@@ -1,11 +1,13 @@
 //! What legends explain.
 
 use super::damper;
-use crate::curves::Curve;
-use crate::figure::{Figures, Series};
+use crate::curves::{Curve, Peak, Touch};
+use crate::figure::{Figures, Series, Shape, Style};
+use crate::fixture::Study;
 use crate::overview::Level;
 use crate::report::{Report, Selection};
-use crate::store::{CurvePoint, CurveRow, Reader};
+use crate::store::{CurvePoint, CurveRow, Reader, WindowOutcome};
+use tempfile::tempdir;
 
 /// Cusps have marks in figures of fold curves and in the map, and labels with a number that is one with twice the harmonics are explained.
 #[test]
@@ -131,10 +133,12 @@ fn the_gap_is_in_the_figure_of_folds() {
     report.curves = vec![CurveRow { points: vec![point(4e-3), point(5e-3)], ..CurveRow::default() }];
     let panel = |report: &Report| Figures::new(&report.subject()).drawn.remove("folds").unwrap().panels.remove(0);
     assert!(panel(&report).spans.is_empty());
-    report.monitors[0].gap = Some(0.5);
-    let panel = panel(&report);
-    assert_eq!(panel.spans[0].at, [Some(0.5)]);
-    assert!(panel.labels.iter().any(|label| label.text == "gap"), "{:?}", panel.labels);
+    for (is_gap, name) in [(true, "gap"), (false, "contact begins")] {
+        report.monitors[0].touch = Some(Touch { at: 0.5, is_gap });
+        let panel = panel(&report);
+        assert_eq!(panel.spans[0].at, [Some(0.5)]);
+        assert!(panel.labels.iter().any(|label| label.text == name), "{:?}", panel.labels);
+    }
 }
 
 #[test]
@@ -163,4 +167,29 @@ fn forcing_has_its_unit_on_axes() {
         ["forcing amplitude A, threshold A*", "forcing amplitude A"].map(|title| format!("{title} ({unit})"));
     assert!(unit.contains("N at "), "{unit}");
     assert_eq!(headings, expected);
+}
+
+/// Whatever is marked in a figure is named in its legend.
+#[test]
+fn marks_have_their_entries() {
+    let dir = damper();
+    let mut report = Report::read(&Reader::open(&dir.path().join("run")).unwrap(), &Selection::All).unwrap();
+    let windows = report.overview.levels.iter_mut().flat_map(|level| &mut level.windows);
+    windows.for_each(|window| window.outcome = WindowOutcome::NotFound("nowhere".into()));
+    let of_modes = tempdir().unwrap();
+    let (store, _) = Study::new("nltva", 3, &["0.1"]).begin(&of_modes.path().join("run"));
+    let mut other = Report::read(&store, &Selection::All).unwrap();
+    let peak = Peak { mode: 1, index: 3, omega: 1.0, share: 0.1, harmonic: 3, ratio: 1.0, resonant: true };
+    other.backbone.as_mut().unwrap().peaks = vec![peak];
+    let figures = [&report, &other].map(|report| Figures::new(&report.subject()).drawn);
+    let marker = |style: &Style| style.marker.map(|marker| (marker.shape, marker.open));
+    let mut shapes = Vec::new();
+    for figure in figures.iter().flat_map(|drawn| drawn.values()) {
+        let marks = figure.panels.iter().flat_map(|panel| &panel.series).filter(|series| series.style.width == 0.0);
+        for mark in marks.filter_map(|series| marker(&series.style)) {
+            assert!(figure.legend.iter().any(|entry| marker(&entry.style) == Some(mark)), "{}: {mark:?}", figure.name);
+            shapes.push((figure.name, mark.0));
+        }
+    }
+    assert!(shapes.contains(&("map", Shape::Cross)) && shapes.contains(&("modes", Shape::Circle)), "{shapes:?}");
 }

@@ -54,7 +54,14 @@ static BACKBONE: LazyLock<BackboneCurve> = LazyLock::new(|| {
 });
 
 fn structure() -> Structure {
-    Structure { monitor: "tip".into(), gap: Some(4e-4), modes: 3, harmonic: 1, stops: 1, ..Structure::default() }
+    Structure {
+        monitor: "tip".into(),
+        touch: Some(Touch { at: 4e-4, is_gap: true }),
+        modes: 3,
+        harmonic: 1,
+        stops: 1,
+        ..Structure::default()
+    }
 }
 
 /// What is said of these levels, changed on the way.
