@@ -14,6 +14,7 @@ mod units;
 mod weight;
 
 use crate::study::Study;
+use damping::Oscillations;
 use protocol::to_everyone::Amplitude;
 use results::overview::{modes, undetermined};
 use results::summary_table::LengthUnit;
@@ -42,8 +43,9 @@ pub fn report(study: &Study) -> String {
         ("size", size(model)),
     ];
     let choice = ModesFollowed::choose(model, &study.settings);
-    let modes = (0..model.size().min(MODES)).map(|j| (if j == 0 { "modes" } else { "" }, mode(study, &choice, j)));
-    lines.extend(modes);
+    let oscillations = Oscillations::of(model, &study.settings);
+    let mode = |j: usize| mode(study, &choice, j, oscillations.ratio(j));
+    lines.extend((0..model.size().min(MODES)).map(|j| (if j == 0 { "modes" } else { "" }, mode(j))));
     lines.extend(small_motion::frequencies(study).map(|frequencies| ("", frequencies)));
     lines.extend(modes::sentence(&choice, true).map(|_| ("followed", followed(&choice))));
     lines.extend(defaults::damping(study).or_else(|| defaults::replaced(study)).map(|damping| ("damping", damping)));
@@ -52,7 +54,7 @@ pub fn report(study: &Study) -> String {
     let touch = touch::first_touch(study, &choice.followed);
     lines.extend(touch.as_ref().map(|touch| ("touches", touch.told(study))));
     lines.extend(slip::first_slip(study, &choice.followed).map(|slip| ("slips", slip.told(study))));
-    let overdamped = damping::overdamped(model, &study.settings);
+    let overdamped = oscillations.overdamped();
     // Where nothing resonates no law is measured by the response at resonance.
     let resonant = if overdamped.is_empty() { &choice.followed[..] } else { &[] };
     let weight = weight::Weight::of(study, resonant);
@@ -72,7 +74,7 @@ pub fn report(study: &Study) -> String {
         .into_iter()
         .chain(early::warnings(study, touch.as_ref()))
         .chain(damping::without(study))
-        .chain(damping::heavy(model, &study.settings))
+        .chain(oscillations.heavy())
         .chain(undetermined(model))
         .chain(softening::warnings(study))
         .chain(laws::warnings(study, weight.as_ref()));
@@ -140,7 +142,7 @@ fn many_levels(study: &Study) -> Option<String> {
 
 /// Why the mode that a sweep begins with has no backbone, if that is known before: a sentence.
 pub fn without_backbone(model: &Model, settings: &Settings) -> Option<String> {
-    damping::overdamped_primary(model, settings)
+    Oscillations::of(model, settings).overdamped_primary()
 }
 
 fn size(model: &Model) -> String {
@@ -165,14 +167,14 @@ fn followed(choice: &ModesFollowed) -> String {
     format!("{}, {start}{rest}", modes::followed(choice))
 }
 
-fn mode(study: &Study, choice: &ModesFollowed, j: usize) -> String {
+fn mode(study: &Study, choice: &ModesFollowed, j: usize, ratio: f64) -> String {
     let model = &study.model;
     let omega = model.modes().frequencies[j];
     let followed = if choice.followed.contains(&j) { "  followed" } else { "" };
     if model.modes().is_rigid(j) {
         return format!("{:>2}  rigid body{followed}", j + 1);
     }
-    let (hertz, ratio) = (number(omega / TAU), number(model.damping().rates()[j] / (2.0 * omega)));
+    let (hertz, ratio) = (number(omega / TAU), number(ratio));
     format!("{:>2}  {:>10} rad/s  {hertz:>10} Hz  damping ratio {ratio}{followed}", j + 1, number(omega))
 }
 

@@ -4,8 +4,8 @@ use crate::study::Study;
 use results::words::{self, digits};
 use solver::response::modes::ModesFollowed;
 use solver::settings::{BackboneEquation, Settings};
-use solver::structure::Model;
 use solver::structure::laws::{Law, LawKind};
+use solver::structure::{DampedMode, Model, damped_modes};
 
 /// How much energy a law takes in a period, as its motion grows.
 #[derive(PartialEq, Eq, PartialOrd, Ord)]
@@ -50,44 +50,68 @@ pub(super) fn without(study: &Study) -> Option<String> {
     })
 }
 
-/// Of each mode that is followed along its damped free motion, and has none: so much damping is often one in other units.
-pub(super) fn overdamped(model: &Model, settings: &Settings) -> Vec<String> {
-    let followed = ModesFollowed::choose(model, settings).followed;
-    followed.into_iter().filter_map(|mode| of_mode(model, settings, mode)).collect()
-}
-
 /// A damping ratio that structures hardly have, and that may be one in percent.
 const HEAVY: f64 = 0.2;
 
-/// Of the modes that are followed the most damped one, if it is damped more than structures are: a sentence.
-pub(super) fn heavy(model: &Model, settings: &Settings) -> Option<String> {
-    let ratios = ModesFollowed::choose(model, settings).followed.into_iter().map(|mode| (mode, ratio(model, mode)));
-    let (mode, ratio) = ratios.filter(|(_, ratio)| (HEAVY..1.0).contains(ratio)).max_by(|a, b| a.1.total_cmp(&b.1))?;
-    Some(format!(
-        "mode {} has a damping ratio of {}, which is a lot: ratios are shares of 1, not percent",
-        mode + 1,
-        digits(ratio, 3)
-    ))
+/// The free motions of the modes, as far as they oscillate.
+pub(super) struct Oscillations<'m> {
+    model: &'m Model,
+    settings: &'m Settings,
+    modes: Vec<Option<DampedMode>>,
 }
 
-/// The same of the primary mode, without which there is no sweep.
-pub(super) fn overdamped_primary(model: &Model, settings: &Settings) -> Option<String> {
-    of_mode(model, settings, settings.tracked(model))
-}
+impl<'m> Oscillations<'m> {
+    /// Those of a model; none at all where eigenvalues do not converge.
+    pub(super) fn of(model: &'m Model, settings: &'m Settings) -> Self {
+        let modes = damped_modes(model).unwrap_or_else(|_| vec![None; model.size()]);
+        Self { model, settings, modes }
+    }
 
-/// Share of its critical damping that a mode has.
-fn ratio(model: &Model, mode: usize) -> f64 {
-    model.damping().rates()[mode] / (2.0 * model.modes().frequencies[mode])
-}
+    /// Share of its critical damping that a mode has.
+    pub(super) fn ratio(&self, mode: usize) -> f64 {
+        let alone = || self.model.damping().rates()[mode] / (2.0 * self.model.modes().frequencies[mode]);
+        self.modes[mode].as_ref().map_or_else(alone, DampedMode::ratio)
+    }
 
-fn of_mode(model: &Model, settings: &Settings, mode: usize) -> Option<String> {
-    let is_free = settings.backbone.equation == BackboneEquation::DampedMode && !model.modes().is_rigid(mode);
-    let ratio = ratio(model, mode);
-    (is_free && ratio >= 1.0).then(|| {
-        format!(
-            "mode {} is overdamped (ratio {}): no resonance, no backbone; are the units of the damping right?",
+    fn followed(&self) -> Vec<usize> {
+        ModesFollowed::choose(self.model, self.settings).followed
+    }
+
+    /// Of each mode that is followed along its damped free motion, and has none: so much damping is often one in other units.
+    pub(super) fn overdamped(&self) -> Vec<String> {
+        self.followed().into_iter().filter_map(|mode| self.without_oscillation(mode)).collect()
+    }
+
+    /// Of the modes that are followed the most damped one, if it is damped more than structures are: a sentence.
+    pub(super) fn heavy(&self) -> Option<String> {
+        let oscillating = self.followed().into_iter().filter(|&mode| self.modes[mode].is_some());
+        let ratios = oscillating.map(|mode| (mode, self.ratio(mode))).filter(|(_, ratio)| *ratio >= HEAVY);
+        let (mode, ratio) = ratios.max_by(|a, b| a.1.total_cmp(&b.1))?;
+        Some(format!(
+            "mode {} has a damping ratio of {}, which is a lot: ratios are shares of 1, not percent",
             mode + 1,
             digits(ratio, 3)
-        )
-    })
+        ))
+    }
+
+    /// The same of the primary mode, without which there is no sweep.
+    pub(super) fn overdamped_primary(&self) -> Option<String> {
+        self.without_oscillation(self.settings.tracked(self.model))
+    }
+
+    fn without_oscillation(&self, mode: usize) -> Option<String> {
+        let is_free = self.settings.backbone.equation == BackboneEquation::DampedMode;
+        let oscillates = self.modes[mode].is_some() || self.model.modes().is_rigid(mode);
+        let number = mode + 1;
+        (is_free && !oscillates).then(|| match self.ratio(mode) {
+            ratio if ratio >= 1.0 => format!(
+                "mode {number} is overdamped (ratio {}): no resonance, no backbone; are the units of the damping right?",
+                digits(ratio, 3)
+            ),
+            _ => format!(
+                "mode {number} does not oscillate, since damping couples it with others: no resonance, no backbone; are the units of the \
+                 damping right?"
+            ),
+        })
+    }
 }

@@ -280,10 +280,12 @@ mod tests {
         };
         let curves: Vec<CurveRow> = (1..=30).map(f64::from).chain([150.0]).map(isola).collect();
         let said = events_sentence(&curves, &levels, true, |omega| omega.to_string()).unwrap();
-        assert_eq!(said.matches("an isola is born at A = ").count(), 4, "{said}");
+        assert_eq!(said.matches("an isola is born at A = ").count(), 5, "{said}");
+        // From which forcing on there are isolas is told however far that is.
+        assert!(said.contains("an isola is born at A = 1 (1) and lasts to A = 1.5"), "{said}");
         assert!(said.contains("an isola is born at A = 28 (28) and lasts to A = 28.5"), "{said}");
         assert!(said.contains("an isola is born at A = 150 (150) and lasts to A = 150.5"), "{said}");
-        assert!(said.ends_with("; 27 more isolas are born and end (all of it is in events.csv)."), "{said}");
+        assert!(said.ends_with("; 26 more isolas are born and end (all of it is in events.csv)."), "{said}");
         // And so of births alone.
         let births: Vec<CurvePoint> =
             (1..=30).map(f64::from).chain([150.0]).map(|forcing| event(forcing, "birth")).collect();
@@ -291,7 +293,8 @@ mod tests {
             omega.to_string()
         });
         assert!(
-            said.unwrap().ends_with("28 (28), 29 (29), 30 (30), 150 (150) and 27 more (all of it is in events.csv).")
+            said.unwrap()
+                .ends_with("1 (1), 28 (28), 29 (29), 30 (30), 150 (150) and 26 more (all of it is in events.csv).")
         );
     }
 }

@@ -115,8 +115,8 @@ pub(super) fn told(stories: Vec<Story>, levels: &[Level]) -> (Vec<(f64, String)>
     (stories.into_iter().map(|story| (story.range.0, story.text)).collect(), further.into_iter().flatten().collect())
 }
 
-/// Those of things that happen over these ranges of the forcing that are told, at most so many, and the others: what happens among the levels
-/// comes first, then a little of what is nearest to them.
+/// Those of things that happen over these ranges of the forcing that are told, at most so many, and the others: the one that begins first of
+/// all, since from there on something is there; else what happens among the levels comes first, then a little of what is nearest to them.
 pub(super) fn nearest<T>(
     things: Vec<T>,
     most: usize,
@@ -134,7 +134,17 @@ pub(super) fn nearest<T>(
     let mut sorted: Vec<(f64, T)> = things.into_iter().map(|thing| (beyond(&thing), thing)).collect();
     sorted.sort_by(|a, b| a.0.total_cmp(&b.0).then(range(&a.1).0.total_cmp(&range(&b.1).0)));
     let among = sorted.iter().filter(|(beyond, _)| *beyond <= 1.0).count();
-    let left = sorted.split_off(sorted.len().min(most).min(among + BEYOND));
+    let mut left = sorted.split_off(sorted.len().min(most).min(among + BEYOND));
+    let begins = |(_, thing): &(f64, T)| range(thing).0;
+    let told = sorted.iter().map(begins).fold(f64::INFINITY, f64::min);
+    let first = (0..left.len())
+        .filter(|&i| begins(&left[i]) < told)
+        .min_by(|&a, &b| begins(&left[a]).total_cmp(&begins(&left[b])));
+    if let Some(first) = first {
+        let first = left.remove(first);
+        left.extend((sorted.len() == most).then(|| sorted.pop()).flatten());
+        sorted.push(first);
+    }
     let without = |list: Vec<(f64, T)>| list.into_iter().map(|(_, thing)| thing).collect();
     (without(sorted), without(left))
 }

@@ -226,10 +226,16 @@ impl<'r> Rows<'r> {
         let FrequencySettings { min, max } = self.given;
         let low = is_at(row.omega.0, min).then_some("frequency.min");
         let high = is_at(row.omega.1, max).then_some("frequency.max");
-        let both_through = |bound: &str| format!("leaves through bounds at both ends, {bound} among them");
+        // Where the other bound was given as well it would be at that one.
+        let both_through = |bound: &str, is_other_given: bool| match is_other_given {
+            true => format!("leaves through {bound} at both ends"),
+            false => format!("leaves through bounds at both ends, {bound} among them"),
+        };
         let how = match (low, high) {
             (Some(low), Some(high)) => Some(format!("leaves through {low} and {high}")),
-            (one, other) => one.or(other).map(both_through),
+            (Some(low), None) => Some(both_through(low, max.is_some())),
+            (None, Some(high)) => Some(both_through(high, min.is_some())),
+            (None, None) => None,
         };
         how.filter(|_| row.kind == BranchKind::Cut.name() && row.status.matches("frequency bound").count() == 2)
     }

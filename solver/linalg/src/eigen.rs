@@ -15,6 +15,19 @@ pub fn eigenvalues(matrix: &Matrix) -> Result<Vec<Complex64>, LinalgError> {
     matrix.view().eigenvalues().map_err(|_| LinalgError::NoConvergence)
 }
 
+/// Eigenvalues of a square matrix, each with its right eigenvector, in no particular order.
+///
+/// # Errors
+/// If an entry is not finite, or the iteration does not converge.
+pub fn eigen(matrix: &Matrix) -> Result<Vec<(Complex64, Vec<Complex64>)>, LinalgError> {
+    if !matrix.data.iter().all(|entry| entry.is_finite()) {
+        return Err(LinalgError::NoConvergence);
+    }
+    let found = matrix.view().eigen().map_err(|_| LinalgError::NoConvergence)?;
+    let (values, vectors) = (found.S().column_vector(), found.U());
+    Ok((0..matrix.rows).map(|k| (values[k], (0..matrix.rows).map(|i| vectors[(i, k)]).collect())).collect())
+}
+
 /// Eigenvalues (ascending) and M-orthonormal eigenvectors (columns) of K φ = λ M φ, K and M symmetric, M positive
 /// definite.
 ///

@@ -8,7 +8,7 @@ mod eigen;
 mod fourier;
 mod lu;
 
-pub use eigen::{eigenvalues, symmetric_eigen};
+pub use eigen::{eigen, eigenvalues, symmetric_eigen};
 pub use fourier::Fourier;
 pub use lu::{Lu, solve_complex};
 

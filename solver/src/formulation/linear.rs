@@ -6,6 +6,7 @@ use crate::formulation::receptance::Receptance;
 use crate::formulation::state::{Parameters, State};
 use crate::linalg::LinalgError;
 use crate::structure::laws::Law;
+use crate::structure::{DampedMode, damped_modes};
 use num_complex::Complex64;
 
 /// Linear response to the forcing of amplitude `forcing` at response frequency `omega` (rad/s).
@@ -29,25 +30,28 @@ pub fn forced_response<'m>(problem: &impl Formulation<'m>, forcing: f64, omega: 
     Ok(State { harmonics: problem.harmonics(), omega, decay: 0.0, forcing, arguments, modal })
 }
 
-/// The linear mode `mode` (from 0) with its damping, Re q = 0, just below the first touch (see [`below_first_touch`]).
+/// The linear mode `mode` (from 0) with its damping, Re q = 0, just below the first touch (see [`below_first_touch`]). Of one that does
+/// not oscillate the frequency is zero.
 pub fn mode_motion<'m>(problem: &impl Formulation<'m>, mode: usize) -> State {
     let model = problem.model();
     let nc = width(problem.harmonics());
-    let omega = model.modes().frequencies[mode];
-    let damping = if problem.unknown().is_damped() { model.damping().diagonal(mode) } else { 0.0 };
-    let ratio = damping / (2.0 * omega);
+    let is_damped = problem.unknown().is_damped();
+    let damped = is_damped.then(|| damped_modes(model).ok()?.swap_remove(mode)).flatten();
+    let scale = problem.scales().modal;
     let mut modal = vec![0.0; model.size() * nc];
     // X_1 = −i b: motion b sin ωt.
-    modal[mode * nc + 2] = problem.scales().modal;
-    let state = State {
-        harmonics: problem.harmonics(),
-        omega: omega * (1.0 - ratio * ratio).max(0.0).sqrt(),
-        decay: ratio * omega,
-        forcing: 0.0,
-        arguments: Vec::new(),
-        modal,
+    let (omega, decay) = match damped {
+        Some(DampedMode { omega, decay, shape }) => {
+            modal.chunks_mut(nc).zip(shape).for_each(|(series, y)| set_complex(series, 1, scale * y));
+            (omega, decay)
+        }
+        None => {
+            modal[mode * nc + 2] = scale;
+            if is_damped { (0.0, 0.5 * model.damping().diagonal(mode)) } else { (model.modes().frequencies[mode], 0.0) }
+        }
     };
-    below_first_touch(problem, state)
+    let harmonics = problem.harmonics();
+    below_first_touch(problem, State { harmonics, omega, decay, forcing: 0.0, arguments: Vec::new(), modal })
 }
 
 /// Scales a linear motion (and its forcing) to 99 % of the first touch; where a law acts at any amplitude, to a thousandth

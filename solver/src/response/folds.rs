@@ -306,7 +306,7 @@ impl<'m> Critical<'m> {
         events.retain(|event| event.index >= gone);
         events.iter_mut().for_each(|event| event.index -= gone);
         events.retain(|event| event.index < points.len());
-        let asymmetry = Asymmetry::along(&self.problem, points.iter().map(|point| &point.state), outcome);
+        let asymmetry = Asymmetry::along(&self.problem, &points, |state| state.forcing, outcome);
         let outcome = asymmetry.outcome();
         let turns: Vec<usize> =
             events.iter().map(|event| event.index).filter(|&index| asymmetry.turns(index)).collect();

@@ -39,6 +39,11 @@ pub(super) fn distance<'m, F: Formulation<'m>>(problem: &F, a: &State, b: &State
         .fold(f64::INFINITY, f64::min)
 }
 
+/// Whether a response is the linear one, nearly.
+fn is_linear<'m, F: Formulation<'m>>(problem: &F, state: &State) -> bool {
+    forced_response(problem, state.forcing, state.omega).is_ok_and(|linear| distance(problem, state, &linear) < LINEAR)
+}
+
 /// See [`crate::response::forced::Forced::is_ordinary`].
 pub(super) fn is_ordinary<'m, F: Formulation<'m>>(problem: &mut F, settings: &NewtonSettings, state: &State) -> bool {
     let Ok(linear) = forced_response(problem, state.forcing, state.omega) else { return false };
@@ -139,9 +144,11 @@ pub(super) fn main_part<'m, F: Formulation<'m>>(
         true => is_ordinary(continuation.problem(), newton, &kept[0].point.state),
         false => grows,
     };
-    let touches = kept[0].point.contact().iter().any(|&share| share > 0.0);
+    let first = &kept[0].point;
+    let touches = first.contact().iter().any(|&share| share > 0.0);
+    let is_linear = !touches && is_linear(continuation.problem(), &first.state);
     let begin = match (begins_ordinarily, is_cut) {
-        (true, _) if !touches => Stop::Start,
+        (true, _) if is_linear => Stop::Start,
         (true, _) | (_, true) => Stop::FrequencyBound,
         (false, false) => Stop::Rest,
     };

@@ -19,6 +19,11 @@ const NEXT_TO: f64 = 0.05;
 /// why they hardly change there.
 const TURNS: f64 = 0.1;
 
+/// Beyond a fold next to a branch point less than this is left of the distance from an image where the curve ends, and the change of the
+/// frequency or forcing since is more than what rounding makes of it at a branch point.
+const NEARER: f64 = 0.5;
+const RESOLVED: f64 = 1e-7;
+
 /// How many points from a branch point the turn may be found that it makes: Newton's method fails next to it.
 const TURN: usize = 2;
 
@@ -149,23 +154,26 @@ fn mean(states: &[Vec<f64>]) -> Vec<f64> {
 /// How far the states of a curve are from states that are their own images, as shares of the farthest; none where all are.
 pub(super) struct Asymmetry {
     shares: Vec<f64>,
+    /// Frequencies or forcing amplitudes, in which the curve turns.
+    parameters: Vec<f64>,
     outcome: Outcome,
 }
 
 impl Asymmetry {
     /// Along a branch.
     pub(super) fn of<'m, F: Formulation<'m>>(problem: &F, branch: &Branch) -> Self {
-        Self::along(problem, branch.points.iter().map(|point| &point.state), branch.outcome)
+        Self::along(problem, &branch.points, |state| state.omega, branch.outcome)
     }
 
-    /// Along a curve through these states that ends so.
-    pub(super) fn along<'m, 's, F: Formulation<'m>>(
+    /// Along a curve through these points that ends so, over this parameter.
+    pub(super) fn along<'m, F: Formulation<'m>>(
         problem: &F,
-        states: impl Iterator<Item = &'s State>,
+        points: &[BranchPoint],
+        parameter: impl Fn(&State) -> f64,
         outcome: Outcome,
     ) -> Self {
         let metric = problem.motion_metric();
-        let motions: Vec<Vec<f64>> = states.map(|state| problem.encode(state)).collect();
+        let motions: Vec<Vec<f64>> = points.iter().map(|point| problem.encode(&point.state)).collect();
         let mut shares = vec![1.0_f64; motions.len()];
         for index in 1..problem.images() {
             let distance = |y: &Vec<f64>| relative_distance(metric, &problem.image(y, index), y);
@@ -179,7 +187,8 @@ impl Asymmetry {
             (Outcome::Open(first, last), [begins, .., ends]) => Outcome::Open(at(first, *begins), at(last, *ends)),
             _ => outcome,
         };
-        Self { shares, outcome }
+        let parameters = points.iter().map(|point| parameter(&point.state)).collect();
+        Self { shares, parameters, outcome }
     }
 
     /// The point of a branch that is farthest from its images, if the one where it was entered lies next to one that is its own image:
@@ -210,7 +219,14 @@ impl Asymmetry {
     pub(super) fn turns(&self, index: usize) -> bool {
         let [begins, ends] = self.next_to_branch_points();
         let count = self.shares.len();
-        index < begins.min(count / 2) || index >= count - ends.min(count / 2)
+        let is_due = |end: usize| !self.goes_on(index, end);
+        (index < begins.min(count / 2) && is_due(0)) || (index >= count - ends.min(count / 2) && is_due(count - 1))
+    }
+
+    /// Whether the curve comes nearer to the branch point where it ends after it has turned, along another way than before.
+    fn goes_on(&self, index: usize, end: usize) -> bool {
+        let back = self.parameters[end] / self.parameters[index] - 1.0;
+        self.shares[end] < NEARER * self.shares[index] && back.abs() > RESOLVED
     }
 
     /// Lets a branch that branches off others end there, where it turns in frequency but has no fold.

@@ -4,7 +4,7 @@ use super::error::{ModelError, Place};
 use super::validation::{at_least_zero, check_elements, check_force, check_harmonic, check_monitors, check_ratio};
 use super::validation::{duplicate, symmetric};
 use super::{Damping, Element, Forcing, Model, Modes};
-use crate::linalg::{LinalgError, Matrix, symmetric_eigen};
+use crate::linalg::{LinalgError, Matrix, dot, symmetric_eigen};
 
 /// The ways to give damping.
 #[derive(Debug, Clone)]
@@ -100,18 +100,24 @@ impl Structure {
 
     /// Largest diagonal entry of the stiffness condensed statically on the displacements bᵀx, N/m.
     ///
-    /// Computed from the flexibility B K⁻¹ Bᵀ and its pseudo-inverse, so that the same direction may come twice (a stop
-    /// on either side). Rigid-body modes, whose flexibility is infinite, are given the first flexible frequency.
+    /// Computed from the flexibility B K⁻¹ Bᵀ and its pseudo-inverse. A direction that comes twice (a stop on either side) counts once:
+    /// it takes no share of the stiffness. Rigid-body modes, whose flexibility is infinite, are given the first flexible frequency.
     pub fn condensed_stiffness(&self, directions: &[&[(usize, f64)]]) -> Option<f64> {
         let Modes { frequencies, shapes } = &self.modes;
         let highest = frequencies.last().copied().unwrap_or(0.0);
         let first = *frequencies.iter().find(|&&w| w > 1e-6 * highest)?;
-        let modal = Matrix::from_fn(directions.len(), self.size(), |c, j| {
-            let displacement: f64 = directions[c].iter().map(|&(i, b)| b * shapes[(i, j)]).sum();
-            displacement / frequencies[j].max(first)
-        });
-        let flexibility = modal.matmul(&modal.transpose());
-        let m = directions.len();
+        let modal = |direction: &[(usize, f64)]| -> Vec<f64> {
+            let displacement = |j: usize| direction.iter().map(|&(i, b)| b * shapes[(i, j)]).sum::<f64>();
+            (0..self.size()).map(|j| displacement(j) / frequencies[j].max(first)).collect()
+        };
+        let mut rows: Vec<Vec<f64>> = Vec::new();
+        for row in directions.iter().map(|direction| modal(direction)) {
+            if !rows.iter().any(|other| are_parallel(other, &row)) {
+                rows.push(row);
+            }
+        }
+        let m = rows.len();
+        let flexibility = Matrix::from_fn(m, m, |c, d| dot(&rows[c], &rows[d]));
         let (values, vectors) = symmetric_eigen(&flexibility, &Matrix::diagonal(&vec![1.0; m])).ok()?;
         let threshold = 1e-12 * values.last()?;
         (0..m)
@@ -234,6 +240,12 @@ impl Structure {
     }
 }
 
+/// Whether two directions are the same, or opposite ones, up to rounding.
+fn are_parallel(a: &[f64], b: &[f64]) -> bool {
+    let sizes = dot(a, a) * dot(b, b);
+    sizes > 0.0 && dot(a, b).powi(2) >= (1.0 - 1e-12) * sizes
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -257,7 +269,10 @@ mod tests {
         // On all dofs nothing is condensed, and a stop on either side of one dof is not singular.
         let epsilon = structure.condensed_stiffness(&[&[(0, 1.0)], &[(1, 1.0)]]).unwrap();
         assert!((epsilon - 2.0).abs() < 1e-14);
-        assert!(structure.condensed_stiffness(&[&[(1, 1.0)], &[(1, -1.0)]]).unwrap() > 0.0);
+        // A stop on either side is as stiff as one alone.
+        let both = structure.condensed_stiffness(&[&[(1, 1.0)], &[(1, -1.0)]]).unwrap();
+        let alone = structure.condensed_stiffness(&[&[(1, 1.0)]]).unwrap();
+        assert!((both / alone - 1.0).abs() < 1e-12, "{both} {alone}");
     }
 
     #[test]

@@ -6,6 +6,7 @@
 
 pub(crate) mod assembly;
 mod builder;
+mod damped;
 mod error;
 pub mod laws;
 mod model;
@@ -15,6 +16,7 @@ pub(crate) mod validation;
 
 pub use builder::DEFAULT_RATIO;
 pub use builder::{Channel, Dof, ModelBuilder};
+pub use damped::{DampedMode, damped_modes};
 pub use error::{ModelError, Place};
 pub use model::{ContactElement, Damping, Element, Forcing, Model, Modes};
 pub use restore::ModelData;

@@ -86,7 +86,7 @@ fn a_walk_is_cancelled_between_points() {
         .main_branch(Side::Below, &mut observer)
         .unwrap();
     assert_eq!(seen, 7);
-    assert_eq!(branch.outcome, Outcome::Open(Stop::Start, Stop::Cancelled));
+    assert_eq!(branch.outcome, Outcome::Open(Stop::FrequencyBound, Stop::Cancelled));
     // The start, then seven points; the peak among them is refined by at most one more.
     assert!((8..=9).contains(&branch.points.len()), "{} points", branch.points.len());
 }
@@ -105,6 +105,11 @@ fn branches_end_exactly_at_the_frequency_bounds() {
     let last = branch.points.last().unwrap();
     assert!((last.omega() - 1.3).abs() < 1e-12 * 1.3, "ends at {}", last.omega());
     assert!((branch.points[0].omega() - 0.8).abs() < 1e-12);
+    // At a forcing that moves next to nothing it begins in the linear range.
+    assert_eq!(branch.outcome, Outcome::Open(Stop::FrequencyBound, Stop::FrequencyBound));
+    let branch = Forced::new(&model, &settings, SearchRange::new(&settings, &backbone).unwrap(), 1e-4)
+        .main_branch(Side::Below, go_on)
+        .unwrap();
     assert_eq!(branch.outcome, Outcome::Open(Stop::Start, Stop::FrequencyBound));
 }
 

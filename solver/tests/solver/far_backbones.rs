@@ -1,6 +1,6 @@
 //! Backbones that are followed as far as the forcing needs.
 
-use crate::support::study::{Kind, Study, of_kind, with_harmonics};
+use crate::support::study::{Kind, Study, assert_main_only, main_peak, of_kind, with_harmonics};
 use solver::laws::{PenaltySpring, PolynomialSpring, TanhFriction, Term};
 use solver::response::modes::Backbones;
 use solver::{Backbone, Model, Settings};
@@ -112,4 +112,35 @@ fn a_backbone_is_followed_to_the_frequencies_of_the_forcing() {
     settings.frequency.max = None;
     settings.backbone.max_frequency = Some(3.0);
     assert!(highest(&settings).0 < 3.2, "{:?}", highest(&settings));
+}
+
+/// A dashpot that holds one of two masses leaves a motion of the other that hardly decays, though each mode alone is damped much. The backbone
+/// begins with it, and the response has its resonance there; the pole is by an eigenvalue routine of another program.
+#[test]
+fn a_backbone_begins_with_the_damped_motion() {
+    let spring = PolynomialSpring { terms: vec![Term { power: 3, coefficient: 0.6 }] };
+    let model = Model::builder("dashpot")
+        .dofs(["held", "free"])
+        .mass([[1.0, 0.0], [0.0, 1.0]])
+        .stiffness([[1.5, -0.5], [-0.5, 1.5]])
+        .damping_matrix([[4.0, 0.0], [0.0, 0.05]])
+        .force("held", 1.0)
+        .force("free", 0.5)
+        .monitor("free")
+        .element("spring", spring, [[("free", 1.0)]])
+        .build()
+        .unwrap();
+    let settings = with_harmonics(7);
+    let study = Study::new(model, settings);
+    let first = &study.backbones[0].points[0].point;
+    assert!((first.omega() - 1.225_495_4).abs() < 1e-5, "{}", first.omega());
+    assert!((first.state.decay - 0.046_268_9).abs() < 1e-5, "{}", first.state.decay);
+    // So small a forcing hardly bends the resonance: the linear response is largest, 4.545659 times the forcing, at 1.224305 rad/s.
+    let level = study.level(1e-3);
+    let (omega, amplitude) = main_peak(&level);
+    assert!(
+        (omega / 1.224_305 - 1.0).abs() < 1e-5 && (amplitude / 4.545_659e-3 - 1.0).abs() < 1e-5,
+        "{omega} {amplitude}"
+    );
+    assert_main_only(&level, "two masses");
 }

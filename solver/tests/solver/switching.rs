@@ -11,7 +11,7 @@ use solver::response::name::BranchId;
 use solver::response::recheck::Recheck;
 use solver::response::task::{SeedOutcome, SwitchPlace, Task, TaskResult};
 use solver::response::trace::{Given, execute};
-use solver::{Branch, Forced, Matrix, Model, SearchRange, SpecialKind, State};
+use solver::{Backbone, Branch, Forced, Matrix, Model, SearchRange, SpecialKind, State};
 use std::f64::consts::TAU;
 
 const FORCING: f64 = 0.02;
@@ -236,5 +236,39 @@ fn a_closed_curve_is_closed_from_wherever_it_is_followed() {
     for from in (0..closed.points.len()).step_by(8) {
         let again = forced.branch_through(&closed.points[from].state, &mut quiet).unwrap();
         assert!(again.is_closed(), "from point {from}: {}", again.outcome);
+    }
+}
+
+/// Next to a branch point a branch may have a fold, as that of a nonlinear energy sink at 0.9706232 rad/s: beyond, it goes on to a larger peak,
+/// 5.0332, which an arc-length continuation of another program has as well.
+#[test]
+fn a_fold_next_to_a_branch_point_is_no_end() {
+    let spring = PolynomialSpring { terms: vec![Term { power: 3, coefficient: 0.5 }] };
+    let model = Model::builder("energy sink")
+        .mass(Matrix::diagonal(&[1.0, 0.06]))
+        .stiffness(Matrix::diagonal(&[1.0, 0.0]))
+        .damping_matrix([[0.012, -0.008], [-0.008, 0.008]])
+        .force(0, 1.0)
+        .force(1, 0.1)
+        .element("sink", spring, [vec![(0, 1.0), (1, -1.0)]])
+        .build()
+        .unwrap();
+    for max_step in [0.1, 0.05, 0.03] {
+        let mut settings = within(7);
+        (settings.frequency.min, settings.frequency.max) = (Some(0.6), Some(1.7));
+        settings.continuation.max_step = max_step;
+        let reach = SearchRange::new(&settings, &Backbone::compute(&model, &settings).unwrap()).unwrap();
+        let mut forced = Forced::new(&model, &settings, reach, 0.03);
+        let main = forced.main_branch(Side::Below, &mut quiet).unwrap();
+        let point = main.special(SpecialKind::BranchPoint).position(|point| (point.omega() - 0.97291).abs() < 1e-5);
+        let place = SwitchPlace { branch: BranchId::MAIN, point: point.unwrap() };
+        let given = Given { known: &[(BranchId::MAIN, &main)], ..Given::default() };
+        let Some(TaskResult::Branch(branch)) = execute(&mut forced, &Task::Switch(place), &given, &mut quiet) else {
+            panic!("a branch")
+        };
+        assert_eq!(branch.outcome, Outcome::Open(Stop::Branching, Stop::Branching));
+        let (peak, folds) = (branch.peak(), branch.special(SpecialKind::Fold));
+        assert!((peak.amplitude() - 5.033279).abs() < 1e-6, "{max_step}: {}", peak.amplitude());
+        assert!(folds.map(|fold| fold.omega()).any(|omega| (omega - 0.9706232).abs() < 1e-6), "{max_step}");
     }
 }

@@ -37,6 +37,19 @@ fn every_resonance_has_its_peak() {
 }
 
 #[test]
+fn a_cut_branch_says_at_which_bounds() {
+    let cut = |omega, min, max| {
+        let status = "open: frequency bound to frequency bound".into();
+        let row = BranchRow { kind: BranchKind::Cut.name().into(), omega, status, ..BranchRow::default() };
+        Rows { given: FrequencySettings { min, max }, ..rows(&[]) }.cut_at(&row).unwrap()
+    };
+    assert_eq!(cut((1.0, 2.0), Some(1.0), Some(2.0)), "leaves through frequency.min and frequency.max");
+    assert_eq!(cut((1.5, 2.0), Some(1.0), Some(2.0)), "leaves through frequency.max at both ends");
+    assert_eq!(cut((1.0, 1.5), Some(1.0), Some(2.0)), "leaves through frequency.min at both ends");
+    assert_eq!(cut((1.5, 2.0), None, Some(2.0)), "leaves through bounds at both ends, frequency.max among them");
+}
+
+#[test]
 fn a_main_branch_in_pieces_has_one_peak() {
     let whole = "open: linear range to frequency bound";
     let piece = "open: frequency bound to known branch";
