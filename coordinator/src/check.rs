@@ -44,7 +44,7 @@ pub fn report(study: &Study) -> String {
     ];
     let choice = ModesFollowed::choose(model, &study.settings);
     let oscillations = Oscillations::of(model, &study.settings);
-    let mode = |j: usize| mode(study, &choice, j, oscillations.ratio(j));
+    let mode = |j: usize| mode(study, &choice, j, &oscillations);
     lines.extend((0..model.size().min(MODES)).map(|j| (if j == 0 { "modes" } else { "" }, mode(j))));
     lines.extend(small_motion::frequencies(study).map(|frequencies| ("", frequencies)));
     lines.extend(modes::sentence(&choice, true).map(|_| ("followed", followed(&choice))));
@@ -167,15 +167,15 @@ fn followed(choice: &ModesFollowed) -> String {
     format!("{}, {start}{rest}", modes::followed(choice))
 }
 
-fn mode(study: &Study, choice: &ModesFollowed, j: usize, ratio: f64) -> String {
+fn mode(study: &Study, choice: &ModesFollowed, j: usize, oscillations: &Oscillations<'_>) -> String {
     let model = &study.model;
     let omega = model.modes().frequencies[j];
     let followed = if choice.followed.contains(&j) { "  followed" } else { "" };
     if model.modes().is_rigid(j) {
         return format!("{:>2}  rigid body{followed}", j + 1);
     }
-    let (hertz, ratio) = (number(omega / TAU), number(ratio));
-    format!("{:>2}  {:>10} rad/s  {hertz:>10} Hz  damping ratio {ratio}{followed}", j + 1, number(omega))
+    let (hertz, damping) = (number(omega / TAU), oscillations.told(j));
+    format!("{:>2}  {:>10} rad/s  {hertz:>10} Hz  {damping}{followed}", j + 1, number(omega))
 }
 
 fn forcing(study: &Study) -> String {

@@ -206,7 +206,7 @@ pub struct SweepArgs {
     /// Study.
     #[command(flatten)]
     pub study: StudyArgs,
-    /// Folder of the run [default: a new one under runs/].
+    /// Folder of the run, new or empty [default: a new one under runs/].
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// Where it is served and who works for it.

@@ -30,7 +30,7 @@ pub(super) fn note(study: &Study) -> Option<String> {
 /// That the linear structure resonates nowhere between the bounds, and where it does next to them.
 pub(super) fn quiet(study: &Study) -> Option<String> {
     let (given, m) = (study.settings.frequency, study.model.forcing().harmonic);
-    let all = study.model.driven().into_iter().map(|mode| (mode, study.model.modes().frequencies[mode] / m as f64));
+    let all = study.model.driven().into_iter().map(|mode| (mode, study.model.resonance(mode).0 / m as f64));
     if all.clone().any(|(_, omega)| is_within(given, omega)) {
         return None;
     }
@@ -49,32 +49,32 @@ pub(super) fn quiet(study: &Study) -> Option<String> {
     })
 }
 
-/// Modes that vibrate, from 0, with their eigenfrequencies, rad/s.
-fn resonances(study: &Study) -> impl Iterator<Item = (usize, f64)> + Clone {
-    let modes = study.model.modes();
-    (0..study.model.size()).filter(|&mode| !modes.is_rigid(mode)).map(|mode| (mode, modes.frequencies[mode]))
+/// Where modes that vibrate resonate, rad/s.
+fn resonances(study: &Study) -> Vec<f64> {
+    let model = &study.model;
+    (0..model.size()).filter(|&mode| !model.modes().is_rigid(mode)).map(|mode| model.resonance(mode).0).collect()
 }
 
 /// Whether the response has a frequency within the bounds at which one of these harmonics, or that of the force, meets a mode.
 fn resonates(study: &Study, harmonics: std::ops::RangeInclusive<usize>) -> bool {
-    let mut harmonics = harmonics.chain([study.model.forcing().harmonic]);
-    harmonics.any(|k| resonances(study).any(|(_, omega)| is_within(study.settings.frequency, omega / k as f64)))
+    let (mut harmonics, places) = (harmonics.chain([study.model.forcing().harmonic]), resonances(study));
+    harmonics.any(|k| places.iter().any(|omega| is_within(study.settings.frequency, omega / k as f64)))
 }
 
 /// Of bounds between which no mode resonates with the force, but would if they were Hz.
 fn hertz(study: &Study) -> Option<String> {
     let (given, m) = (study.settings.frequency, study.model.forcing().harmonic);
     let (low, high) = (given.min?, given.max?);
-    let is_within_bounds = |(_, omega): (usize, f64)| is_within(given, omega / m as f64);
-    if resonances(study).any(is_within_bounds) {
+    let places = resonances(study);
+    if places.iter().any(|omega| is_within(given, omega / m as f64)) {
         return None;
     }
     // Where superharmonics resonate it may be these that are looked for.
     let has_others = resonates(study, 1..=ORDERS);
     let (orders, with) = if has_others { (0, " with the force itself") } else { (ORDERS, "") };
     let harmonics = [m].into_iter().chain(1..=orders);
-    let mut places = harmonics.flat_map(|k| resonances(study).map(move |(_, omega)| omega / k as f64));
-    let meant = places.find(|omega| (TAU * low..=TAU * high).contains(omega))?;
+    let mut all = harmonics.flat_map(|k| places.iter().map(move |omega| omega / k as f64));
+    let meant = all.find(|omega| (TAU * low..=TAU * high).contains(omega))?;
     Some(format!(
         "no mode resonates{with} between frequency.min = {} and frequency.max = {} rad/s, but one does at {} Hz: if Hz are meant, they are {} \
          and {} rad/s",
@@ -91,7 +91,7 @@ fn below_backbones(study: &Study) -> Option<String> {
     let (model, given) = (&study.model, study.settings.frequency);
     let max = given.max.filter(|_| given.min.is_none())?;
     let followed = ModesFollowed::choose(model, &study.settings).followed;
-    let frequencies = followed.into_iter().map(|mode| (mode, model.modes().frequencies[mode]));
+    let frequencies = followed.into_iter().map(|mode| (mode, model.resonance(mode).0));
     let (mode, omega) = frequencies.min_by(|a, b| a.1.total_cmp(&b.1))?;
     (max <= (1.0 - SearchRange::MARGIN) * omega).then(|| {
         format!(
@@ -107,12 +107,15 @@ fn below_backbones(study: &Study) -> Option<String> {
 /// Of bounds that lie on the flank of a resonance that the force drives, so that what responds there is known in part.
 fn flanks(study: &Study) -> Vec<String> {
     let (model, given) = (&study.model, study.settings.frequency);
-    let (modes, rates, m) = (model.modes(), model.damping().rates(), model.forcing().harmonic as f64);
+    let m = model.forcing().harmonic as f64;
     // In frequencies of the response, of which the force has m times as much.
-    let resonance = |j: usize| (j, modes.frequencies[j] / m, 0.5 * rates[j] / m);
+    let resonance = |j: usize| {
+        let (omega, decay) = model.resonance(j);
+        (j, omega / m, decay / m)
+    };
     let is_sharp = |(_, omega, half): &(usize, f64, f64)| FLANK * half < SHARP * omega;
     let resonances: Vec<_> =
-        model.driven().into_iter().filter(|&j| rates[j] > 0.0).map(resonance).filter(is_sharp).collect();
+        model.driven().into_iter().map(resonance).filter(|(.., half)| *half > 0.0).filter(is_sharp).collect();
     let told = |omega: f64| frequency(study, omega);
     // Joints that stick, say, make others of small motions.
     let alone = if small_motion::frequencies(study).is_some() { " (of the matrices alone)" } else { "" };

@@ -1,11 +1,11 @@
 //! Modes with so much damping that they do not vibrate, and with none.
 
 use crate::study::Study;
-use results::words::{self, digits};
+use results::words::{self, digits, number};
 use solver::response::modes::ModesFollowed;
 use solver::settings::{BackboneEquation, Settings};
 use solver::structure::laws::{Law, LawKind};
-use solver::structure::{DampedMode, Model, damped_modes};
+use solver::structure::{DampedMode, Model};
 
 /// How much energy a law takes in a period, as its motion grows.
 #[derive(PartialEq, Eq, PartialOrd, Ord)]
@@ -53,24 +53,43 @@ pub(super) fn without(study: &Study) -> Option<String> {
 /// A damping ratio that structures hardly have, and that may be one in percent.
 const HEAVY: f64 = 0.2;
 
-/// The free motions of the modes, as far as they oscillate.
+/// Share by which damping moves a frequency that is told.
+const MOVED: f64 = 0.01;
+
+/// How the modes of a study's model are damped.
 pub(super) struct Oscillations<'m> {
     model: &'m Model,
     settings: &'m Settings,
-    modes: Vec<Option<DampedMode>>,
 }
 
 impl<'m> Oscillations<'m> {
-    /// Those of a model; none at all where eigenvalues do not converge.
+    /// Those of a model.
     pub(super) fn of(model: &'m Model, settings: &'m Settings) -> Self {
-        let modes = damped_modes(model).unwrap_or_else(|_| vec![None; model.size()]);
-        Self { model, settings, modes }
+        Self { model, settings }
+    }
+
+    fn motion(&self, mode: usize) -> Option<&'m DampedMode> {
+        self.model.damped_modes()[mode].as_ref()
     }
 
     /// Share of its critical damping that a mode has.
-    pub(super) fn ratio(&self, mode: usize) -> f64 {
+    fn ratio(&self, mode: usize) -> f64 {
         let alone = || self.model.damping().rates()[mode] / (2.0 * self.model.modes().frequencies[mode]);
-        self.modes[mode].as_ref().map_or_else(alone, DampedMode::ratio)
+        self.motion(mode).map_or_else(alone, DampedMode::ratio)
+    }
+
+    /// How a mode that is no rigid-body mode is damped, and where it oscillates if damping moves that.
+    pub(super) fn told(&self, mode: usize) -> String {
+        let ratio = format!("damping ratio {}", number(self.ratio(mode)));
+        let frequency = self.model.modes().frequencies[mode];
+        let natural = self.motion(mode).map(DampedMode::natural);
+        match natural {
+            Some(natural) if (natural / frequency - 1.0).abs() > MOVED => {
+                format!("{ratio} at {} rad/s, where damping that couples modes moves it", number(natural))
+            }
+            None if self.ratio(mode) < 1.0 => "does not oscillate".into(),
+            _ => ratio,
+        }
     }
 
     fn followed(&self) -> Vec<usize> {
@@ -84,7 +103,7 @@ impl<'m> Oscillations<'m> {
 
     /// Of the modes that are followed the most damped one, if it is damped more than structures are: a sentence.
     pub(super) fn heavy(&self) -> Option<String> {
-        let oscillating = self.followed().into_iter().filter(|&mode| self.modes[mode].is_some());
+        let oscillating = self.followed().into_iter().filter(|&mode| self.motion(mode).is_some());
         let ratios = oscillating.map(|mode| (mode, self.ratio(mode))).filter(|(_, ratio)| *ratio >= HEAVY);
         let (mode, ratio) = ratios.max_by(|a, b| a.1.total_cmp(&b.1))?;
         Some(format!(
@@ -101,7 +120,7 @@ impl<'m> Oscillations<'m> {
 
     fn without_oscillation(&self, mode: usize) -> Option<String> {
         let is_free = self.settings.backbone.equation == BackboneEquation::DampedMode;
-        let oscillates = self.modes[mode].is_some() || self.model.modes().is_rigid(mode);
+        let oscillates = self.motion(mode).is_some() || self.model.modes().is_rigid(mode);
         let number = mode + 1;
         (is_free && !oscillates).then(|| match self.ratio(mode) {
             ratio if ratio >= 1.0 => format!(

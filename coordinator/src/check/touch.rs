@@ -79,7 +79,7 @@ pub(super) fn first_touch<'s>(study: &'s Study, followed: &[usize]) -> Option<Fi
     let (model, settings) = (&study.model, &study.settings);
     let problem = linear_problem(study)?;
     let m = model.forcing().harmonic as f64;
-    let resonance = |mode: usize| model.modes().frequencies[mode] / m;
+    let resonance = |mode: usize| model.resonance(mode).0 / m;
     let FrequencySettings { min, max } = settings.frequency;
     // A stop that is pressed at rest changes the linear response.
     if pressed_at_rest(model).next().is_some() {
@@ -97,7 +97,7 @@ pub(super) fn first_touch<'s>(study: &'s Study, followed: &[usize]) -> Option<Fi
     let all: Vec<f64> = model.driven().into_iter().map(resonance).collect();
     let about =
         own.into_iter().filter_map(|mode| {
-            let (omega, reach) = (resonance(mode), BESIDE * 0.5 * model.damping().rates()[mode].abs() / m);
+            let (omega, reach) = (resonance(mode), BESIDE * model.resonance(mode).1.abs() / m);
             // Beyond the middle between two resonances it is that of the other.
             let others = all.iter().filter(|&&other| other != omega).map(|other| f64::midpoint(*other, omega));
             let middle = others.fold((0.0_f64, f64::INFINITY), |(low, high), at| {

@@ -35,7 +35,7 @@ pub struct ServeArgs {
     #[arg(long, value_name = "SECONDS", default_value_t = 15.0, value_parser = lease)]
     pub lease: f64,
     /// Share of the computing time for which results that no equation confirms, as that nothing is there, are computed again by another
-    /// worker; 0: none. What workers disagree on is computed again in any case.
+    /// worker; 0: none. What workers disagree on is computed again in any case. It is not kept with the run.
     #[arg(long, value_name = "SHARE", default_value_t = Rules::default().repeated, value_parser = share)]
     pub repeat: f64,
     /// Units of tables and figures: one of m, mm, um and one of rad/s, Hz, as in mm,Hz; a sweep's run keeps them [default: as the study

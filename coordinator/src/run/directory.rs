@@ -31,6 +31,8 @@ pub fn default_directory(study: &str) -> PathBuf {
 
 /// Folder with what local workers write.
 pub const LOGS: &str = "logs";
+/// Where workers of other machines find the coordinator: written by who launches both (`deploy/slurm/isola-run.sbatch`).
+const ELSEWHERE: &str = "elsewhere";
 /// How many files of others are named.
 const NAMED: usize = 3;
 
@@ -48,10 +50,10 @@ pub fn refuse_foreign(directory: &Path, study: &Path) -> Result<(), Error> {
     }
     // What cannot be read is told where it is written.
     let Ok(entries) = std::fs::read_dir(directory) else { return Ok(()) };
-    let names = entries.filter_map(|entry| entry.ok()?.file_name().into_string().ok());
+    let names = entries.filter_map(|entry| Some(entry.ok()?.file_name().to_string_lossy().into_owned()));
     // A run that was discarded may have left some of its own.
-    let is_own =
-        |name: &String| [ADDRESS, HTTP, HTTP_TOKEN, LOGS, Store::LOCK, protocol::secret::FILE].contains(&name.as_str());
+    let own = [ADDRESS, HTTP, HTTP_TOKEN, LOGS, ELSEWHERE, Store::LOCK, protocol::secret::FILE];
+    let is_own = |name: &String| own.contains(&name.as_str());
     let mut foreign: Vec<String> = names.filter(|name| !name.starts_with('.') && !is_own(name)).collect();
     foreign.sort();
     if foreign.is_empty() {

@@ -331,7 +331,13 @@ fn a_dashpot_that_couples_modes() {
     let structure = "dofs = [\"x\", \"y\"]\n[matrices]\nmass = [[1, 0], [0, 1]]\nstiffness = [[1.5e4, -5e3], [-5e3, 1.5e4]]\n\
                      damping = [[400, 0], [0, 5]]\n[forcing]\nshape = { dofs = { x = 1 } }\n";
     let (warnings, text) = checked(&format!("name = \"dashpot\"\n{structure}"), "0.5", &[]);
-    assert!(text.contains("damping ratio 0.0377284  followed\n"), "{text}");
+    assert!(
+        text.contains(
+            "damping ratio 0.0377284 at 122.637 rad/s, where damping that couples modes moves it  followed\n"
+        ),
+        "{text}"
+    );
+    assert!(text.contains("22.5079 Hz  does not oscillate  followed\n"), "{text}");
     let [overdamped, _nothing_nonlinear] = &warnings[..] else { panic!("{text}") };
     assert!(overdamped.starts_with("mode 2 does not oscillate, since damping couples it with others: "), "{text}");
 }

@@ -11,6 +11,9 @@ const STIFFNESS: Matrix = ("matrices.stiffness", |model| &model.stiffness);
 /// In modal coordinates: it says something of the matrix only where the other two are the same.
 const DAMPING: Matrix = ("matrices.damping", |model| &model.damping);
 
+/// Of the largest entry of a matrix, the share up to which entries are the same.
+const ALIKE: f64 = 1e-9;
+
 type Matrix = (&'static str, fn(&ModelMessage) -> &Array);
 
 /// Changes between the studies of two runs, without those of matrices with the same numbers, and with those of matrices with others that
@@ -18,8 +21,8 @@ type Matrix = (&'static str, fn(&ModelMessage) -> &Array);
 pub(super) fn by_numbers(mut changes: Vec<Difference>, runs: [&Report; 2]) -> Vec<Difference> {
     let [Some(first), Some(other)] = runs.map(|run| run.overview.model.as_ref()) else { return changes };
     let is_same = |(key, of): Matrix| {
-        let numbers = |model| of(model).values(key, &of(model).shape).ok();
-        of(first).shape == of(other).shape && numbers(first) == numbers(other)
+        let numbers = |model| of(model).values(key, &of(model).shape).unwrap_or_default();
+        of(first).shape == of(other).shape && are_alike(&numbers(first), &numbers(other))
     };
     let damping = (is_same(MASS) && is_same(STIFFNESS)).then_some(DAMPING);
     for matrix in [MASS, STIFFNESS].into_iter().chain(damping) {
@@ -32,6 +35,12 @@ pub(super) fn by_numbers(mut changes: Vec<Difference>, runs: [&Report; 2]) -> Ve
         }
     }
     changes
+}
+
+/// Whether numbers are the same up to what another processor makes of those that are computed, as modal ones are.
+fn are_alike(first: &[f64], other: &[f64]) -> bool {
+    let largest = first.iter().fold(0.0_f64, |largest, x| largest.max(x.abs()));
+    first.len() == other.len() && first.iter().zip(other).all(|(a, b)| (a - b).abs() <= ALIKE * largest)
 }
 
 /// What the study of a run gives for a key.

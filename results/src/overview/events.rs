@@ -131,7 +131,8 @@ fn group(
     [one, many]: [&str; 2],
     place: impl Fn(&CurvePoint) -> String,
 ) -> Option<Part> {
-    let (mut named, left) = nearest(points.to_vec(), NAMED, levels, |point| (point.forcing, point.forcing));
+    let (mut named, left) =
+        nearest(points.to_vec(), NAMED, levels, |point| (point.forcing, point.forcing), |point| Some(point.forcing));
     named.sort_by(|a, b| a.forcing.total_cmp(&b.forcing));
     let first = named.first()?.forcing;
     let more = left.len();

@@ -105,7 +105,8 @@ pub(super) fn of_lives(
 /// Those that are told, each with the forcing amplitude at which it begins, and what is said of the others: those among the levels come
 /// before those beyond.
 pub(super) fn told(stories: Vec<Story>, levels: &[Level]) -> (Vec<(f64, String)>, Vec<String>) {
-    let (stories, left) = nearest(stories, TOLD, levels, |story| story.range);
+    let begins = |story: &Story| (story.more != TOUCH).then_some(story.range.0);
+    let (stories, left) = nearest(stories, TOLD, levels, |story| story.range, begins);
     let number = |more: More| left.iter().filter(|story| story.more == more).count();
     let further = [LIVE, LAST, JOIN, TOUCH].map(|more| match number(more) {
         0 => None,
@@ -115,13 +116,14 @@ pub(super) fn told(stories: Vec<Story>, levels: &[Level]) -> (Vec<(f64, String)>
     (stories.into_iter().map(|story| (story.range.0, story.text)).collect(), further.into_iter().flatten().collect())
 }
 
-/// Those of things that happen over these ranges of the forcing that are told, at most so many, and the others: the one that begins first of
-/// all, since from there on something is there; else what happens among the levels comes first, then a little of what is nearest to them.
+/// Those of things that happen over these ranges of the forcing that are told, at most so many, and the others: the first of those with
+/// which, as `begins` says, something begins; else what happens among the levels comes first, then a little of what is nearest to them.
 pub(super) fn nearest<T>(
     things: Vec<T>,
     most: usize,
     levels: &[Level],
     range: impl Fn(&T) -> (f64, f64),
+    begins: impl Fn(&T) -> Option<f64>,
 ) -> (Vec<T>, Vec<T>) {
     let values = || levels.iter().map(|level| level.value);
     let (low, high) = (values().fold(f64::INFINITY, f64::min), values().fold(f64::NEG_INFINITY, f64::max));
@@ -135,11 +137,10 @@ pub(super) fn nearest<T>(
     sorted.sort_by(|a, b| a.0.total_cmp(&b.0).then(range(&a.1).0.total_cmp(&range(&b.1).0)));
     let among = sorted.iter().filter(|(beyond, _)| *beyond <= 1.0).count();
     let mut left = sorted.split_off(sorted.len().min(most).min(among + BEYOND));
-    let begins = |(_, thing): &(f64, T)| range(thing).0;
+    let begins = |(_, thing): &(f64, T)| begins(thing).unwrap_or(f64::INFINITY);
     let told = sorted.iter().map(begins).fold(f64::INFINITY, f64::min);
-    let first = (0..left.len())
-        .filter(|&i| begins(&left[i]) < told)
-        .min_by(|&a, &b| begins(&left[a]).total_cmp(&begins(&left[b])));
+    let earlier = (0..left.len()).filter(|&i| begins(&left[i]) < told);
+    let first = earlier.min_by(|&a, &b| begins(&left[a]).total_cmp(&begins(&left[b])));
     if let Some(first) = first {
         let first = left.remove(first);
         left.extend((sorted.len() == most).then(|| sorted.pop()).flatten());

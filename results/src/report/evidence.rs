@@ -5,6 +5,7 @@ use crate::overview::{Excitation, Lesser, Level, LookedFor, has_joints, undeterm
 use crate::store::{CurveRow, MotionRow, PushRow, SearchCounts};
 use crate::summary_table::Units;
 use crate::told::{frequency_first_in, in_both_units_from};
+use crate::words::count;
 use protocol::to_everyone::Stage;
 use solver::response::branch::Outcome;
 use solver::response::modes::ModesFollowed;
@@ -74,6 +75,21 @@ impl OrderFound {
         let found = levels.iter().filter(|level| level.highest_isola().is_some());
         let is_complete = levels.iter().all(Level::is_complete);
         Self { order, levels: found.map(|level| level.amplitude.clone()).collect(), is_complete }
+    }
+
+    /// The same as a sentence.
+    pub fn sentence(&self) -> String {
+        let Self { order, levels, is_complete } = self;
+        let motions = format!("motions that last {order} periods of the force");
+        let so_far = if *is_complete { "" } else { " so far" };
+        match &levels[..] {
+            [] => format!("Of {motions} no isola was found{so_far} (see their own report)."),
+            [only] => format!("Of {motions} an isola was found{so_far} at A = {only} (see their own report)."),
+            [first, .., last] => format!(
+                "Of {motions} isolas were found{so_far} at {}, from A = {first} to {last} (see their own report).",
+                count(levels.len(), "level")
+            ),
+        }
     }
 }
 

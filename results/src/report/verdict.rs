@@ -196,7 +196,7 @@ impl<'r> Evidence<'r> {
             1 => "This is of motions of the force's own period.".to_string(),
             order => format!("This is of motions that last {order} periods of the force."),
         };
-        std::iter::once(own).chain(self.orders.iter().map(of_order)).collect()
+        std::iter::once(own).chain(self.orders.iter().map(OrderFound::sentence)).collect()
     }
 
     /// What else is known.
@@ -388,18 +388,3 @@ impl<'r> Evidence<'r> {
 
 /// What is said of an order of motions of which nothing was found.
 const NOTHING: &str = "No such motion was found where it was looked for";
-
-/// What was found of a further order of motions.
-fn of_order(found: &OrderFound) -> String {
-    let OrderFound { order, levels, is_complete } = found;
-    let motions = format!("motions that last {order} periods of the force");
-    let so_far = if *is_complete { "" } else { " so far" };
-    match &levels[..] {
-        [] => format!("Of {motions} no isola was found{so_far} (see their own report)."),
-        [only] => format!("Of {motions} an isola was found{so_far} at A = {only} (see their own report)."),
-        [first, .., last] => format!(
-            "Of {motions} isolas were found{so_far} at {}, from A = {first} to {last} (see their own report).",
-            count(levels.len(), "level")
-        ),
-    }
-}

@@ -5,8 +5,8 @@ use crate::formulation::harmonics::{complex, set_complex, width};
 use crate::formulation::receptance::Receptance;
 use crate::formulation::state::{Parameters, State};
 use crate::linalg::LinalgError;
+use crate::structure::DampedMode;
 use crate::structure::laws::Law;
-use crate::structure::{DampedMode, damped_modes};
 use num_complex::Complex64;
 
 /// Linear response to the forcing of amplitude `forcing` at response frequency `omega` (rad/s).
@@ -36,14 +36,14 @@ pub fn mode_motion<'m>(problem: &impl Formulation<'m>, mode: usize) -> State {
     let model = problem.model();
     let nc = width(problem.harmonics());
     let is_damped = problem.unknown().is_damped();
-    let damped = is_damped.then(|| damped_modes(model).ok()?.swap_remove(mode)).flatten();
+    let damped = model.damped_modes()[mode].as_ref().filter(|_| is_damped);
     let scale = problem.scales().modal;
     let mut modal = vec![0.0; model.size() * nc];
     // X_1 = −i b: motion b sin ωt.
     let (omega, decay) = match damped {
         Some(DampedMode { omega, decay, shape }) => {
             modal.chunks_mut(nc).zip(shape).for_each(|(series, y)| set_complex(series, 1, scale * y));
-            (omega, decay)
+            (*omega, *decay)
         }
         None => {
             modal[mode * nc + 2] = scale;

@@ -81,8 +81,8 @@ pub(super) fn hops(system: &System<'_>, metric: &[f64], [from, to]: [&[f64]; 2])
     let (low, high) = (omega[0].min(omega[1]), omega[0].max(omega[1]));
     turned.any(|k| {
         (0..system.model.size()).any(|j| {
-            let resonance = system.model.modes().frequencies[j] / k as f64;
-            let half_width = 0.5 * system.model.damping().diagonal(j).abs() / k as f64;
+            let (omega_j, decay) = system.model.resonance(j);
+            let (resonance, half_width) = (omega_j / k as f64, decay.abs() / k as f64);
             let is_near = ((1.0 - SHIFTED) * low..=(1.0 + SHIFTED) * high).contains(&resonance);
             is_near && high - low > half_width.max(LEAST * high)
         })
@@ -115,7 +115,8 @@ fn distance_allowed(system: &System<'_>, modal: &[f64], omega: f64) -> f64 {
     let size = modal.chunks(nc).map(|series| dot(&series[1..], &series[1..])).sum::<f64>().sqrt();
     let mut allowed = f64::INFINITY;
     for (j, series) in modal.chunks(nc).enumerate() {
-        let (omega_j, damping) = (model.modes().frequencies[j], model.damping().diagonal(j).abs());
+        let (omega_j, decay) = model.resonance(j);
+        let damping = 2.0 * decay.abs();
         for k in 1..=system.harmonics {
             let frequency = k as f64 * omega;
             let stiffness = Complex64::new(omega_j * omega_j - frequency * frequency, damping * frequency);

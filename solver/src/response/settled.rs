@@ -25,7 +25,8 @@ pub(super) fn settled(model: &Model, start: &State, (tracked, harmonics): (usize
     let (m, n) = (model.forcing().harmonic, model.size());
     let settings = MarchingSettings { min_steps_per_period: Some(STEPS * m), ..MarchingSettings::default() };
     let mut marching = Marching::new(model, &settings, start.forcing, start.omega).ok()?;
-    let ratio = 0.5 * model.damping().diagonal(tracked) / model.modes().frequencies[tracked];
+    let (natural, decay) = model.resonance(tracked);
+    let ratio = decay / natural;
     let periods = ((PERIODS / ratio).clamp(COUNT.0, COUNT.1) / m as f64).ceil() as usize;
     let steps = marching.steps_per_period();
     if (steps * periods) as f64 * (n * n) as f64 > AFFORDED || steps < 4 * harmonics {

@@ -100,7 +100,7 @@ pub fn multipliers(monodromy: &Matrix) -> Result<Vec<Multiplier>, LinalgError> {
 /// damped at all.
 pub fn margin(model: &Model, omega: f64, is_smooth: bool) -> f64 {
     let half_period = std::f64::consts::PI / omega;
-    let decay = |j: usize| -(-model.damping().diagonal(j) * half_period).exp_m1();
+    let decay = |j: usize| -(-2.0 * model.resonance(j).1 * half_period).exp_m1();
     let least = (0..model.size()).map(decay).fold(f64::INFINITY, f64::min);
     if is_smooth { SMOOTH } else { (0.5 * least).clamp(ROUGH.0, ROUGH.1) }
 }

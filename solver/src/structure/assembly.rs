@@ -1,10 +1,11 @@
 //! Checked matrices and modes, and the last steps to a [`Model`].
 
+use super::damped::damped_modes;
 use super::error::{ModelError, Place};
 use super::validation::{at_least_zero, check_elements, check_force, check_harmonic, check_monitors, check_ratio};
 use super::validation::{duplicate, symmetric};
 use super::{Damping, Element, Forcing, Model, Modes};
-use crate::linalg::{LinalgError, Matrix, dot, symmetric_eigen};
+use crate::linalg::{LinalgError, Matrix, symmetric_eigen};
 
 /// The ways to give damping.
 #[derive(Debug, Clone)]
@@ -100,28 +101,27 @@ impl Structure {
 
     /// Largest diagonal entry of the stiffness condensed statically on the displacements bᵀx, N/m.
     ///
-    /// Computed from the flexibility B K⁻¹ Bᵀ and its pseudo-inverse. A direction that comes twice (a stop on either side) counts once:
-    /// it takes no share of the stiffness. Rigid-body modes, whose flexibility is infinite, are given the first flexible frequency.
+    /// Computed from the flexibility F = B K⁻¹ Bᵀ and its pseudo-inverse, but no entry less than 1/F_cc, the stiffness condensed on that
+    /// direction alone: where directions depend on each other, as those of a stop on either side or of a ring of stops, the pseudo-inverse
+    /// shares it out among them. Rigid-body modes, whose flexibility is infinite, are given the first flexible frequency.
     pub fn condensed_stiffness(&self, directions: &[&[(usize, f64)]]) -> Option<f64> {
         let Modes { frequencies, shapes } = &self.modes;
         let highest = frequencies.last().copied().unwrap_or(0.0);
         let first = *frequencies.iter().find(|&&w| w > 1e-6 * highest)?;
-        let modal = |direction: &[(usize, f64)]| -> Vec<f64> {
-            let displacement = |j: usize| direction.iter().map(|&(i, b)| b * shapes[(i, j)]).sum::<f64>();
-            (0..self.size()).map(|j| displacement(j) / frequencies[j].max(first)).collect()
-        };
-        let mut rows: Vec<Vec<f64>> = Vec::new();
-        for row in directions.iter().map(|direction| modal(direction)) {
-            if !rows.iter().any(|other| are_parallel(other, &row)) {
-                rows.push(row);
-            }
-        }
-        let m = rows.len();
-        let flexibility = Matrix::from_fn(m, m, |c, d| dot(&rows[c], &rows[d]));
+        let modal = Matrix::from_fn(directions.len(), self.size(), |c, j| {
+            let displacement: f64 = directions[c].iter().map(|&(i, b)| b * shapes[(i, j)]).sum();
+            displacement / frequencies[j].max(first)
+        });
+        let flexibility = modal.matmul(&modal.transpose());
+        let m = directions.len();
         let (values, vectors) = symmetric_eigen(&flexibility, &Matrix::diagonal(&vec![1.0; m])).ok()?;
         let threshold = 1e-12 * values.last()?;
+        let shared = |c: usize| -> f64 {
+            (0..m).filter(|&k| values[k] > threshold).map(|k| vectors[(c, k)].powi(2) / values[k]).sum()
+        };
+        let alone = |c: usize| if flexibility[(c, c)] > threshold { 1.0 / flexibility[(c, c)] } else { 0.0 };
         (0..m)
-            .map(|c| (0..m).filter(|&k| values[k] > threshold).map(|k| vectors[(c, k)].powi(2) / values[k]).sum())
+            .map(|c| shared(c).max(alone(c)))
             .max_by(|a: &f64, b| a.total_cmp(b))
             .filter(|epsilon| epsilon.is_finite() && *epsilon > 0.0)
     }
@@ -165,6 +165,7 @@ impl Structure {
             dofs: self.dofs,
             mass: self.mass,
             stiffness: self.stiffness,
+            damped: damped_modes(&self.modes, &damping),
             modes: self.modes,
             damping,
             forcing: Forcing { shape, harmonic: rest.harmonic },
@@ -240,12 +241,6 @@ impl Structure {
     }
 }
 
-/// Whether two directions are the same, or opposite ones, up to rounding.
-fn are_parallel(a: &[f64], b: &[f64]) -> bool {
-    let sizes = dot(a, a) * dot(b, b);
-    sizes > 0.0 && dot(a, b).powi(2) >= (1.0 - 1e-12) * sizes
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -273,6 +268,19 @@ mod tests {
         let both = structure.condensed_stiffness(&[&[(1, 1.0)], &[(1, -1.0)]]).unwrap();
         let alone = structure.condensed_stiffness(&[&[(1, 1.0)]]).unwrap();
         assert!((both / alone - 1.0).abs() < 1e-12, "{both} {alone}");
+        // And so are a ring of stops about two dofs that are alike, and a direction that comes with another factor, in any order.
+        let isotropic = Structure::new(vec![], Matrix::diagonal(&[1.0; 2]), Matrix::diagonal(&[3.0; 2])).unwrap();
+        let ring: Vec<Vec<(usize, f64)>> = (0..8)
+            .map(|stop| std::f64::consts::TAU * f64::from(stop) / 8.0)
+            .map(|angle| vec![(0, angle.cos()), (1, angle.sin())])
+            .collect();
+        let ring: Vec<&[(usize, f64)]> = ring.iter().map(Vec::as_slice).collect();
+        assert!((isotropic.condensed_stiffness(&ring).unwrap() - 3.0).abs() < 1e-12);
+        let once: &[(usize, f64)] = &[(0, 1.0)];
+        let twice: &[(usize, f64)] = &[(0, 2.0)];
+        for order in [[once, twice], [twice, once]] {
+            assert!((isotropic.condensed_stiffness(&order).unwrap() - 3.0).abs() < 1e-12);
+        }
     }
 
     #[test]

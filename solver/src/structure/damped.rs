@@ -1,81 +1,76 @@
 //! Free motions of the damped linear structure, (λ² I + λ Ĉ + Ω²) y = 0 in modal coordinates, and which of its modes they are of.
 
-use super::Model;
+use super::model::{DampedMode, Damping, Modes};
 use crate::linalg::{LinalgError, Matrix, eigen};
 use num_complex::Complex64;
+
+/// Share of a pole that is rounding.
+const ROUNDING: f64 = 1e-13;
 
 /// Share of the imaginary part of a pole below which it is one of a motion that does not oscillate.
 const OSCILLATES: f64 = 1e-9;
 
-/// Modes that have this share of what the one has that takes most part in a motion take part in it as much.
-const AS_MUCH: f64 = 0.5;
+/// Modes that have this share of what the one has that takes most part in a motion take part in it as much: the lowest of them counts.
+const AS_MUCH: f64 = 0.95;
 
-/// A free motion that oscillates while it decays, Re y exp(λt), λ = −decay + i omega.
-#[derive(Debug, Clone, PartialEq)]
-pub struct DampedMode {
-    /// Frequency, rad/s, above zero.
-    pub omega: f64,
-    /// Decay rate, 1/s; negative where it grows.
-    pub decay: f64,
-    /// Shape y, n modal amplitudes, the mode's own −i.
-    pub shape: Vec<Complex64>,
+/// Of mode `mode` alone: nothing couples it.
+fn alone(mode: usize, frequency: f64, rate: f64, size: usize) -> Option<DampedMode> {
+    let ratio = rate / (2.0 * frequency);
+    let (omega, decay) = (frequency * (1.0 - ratio * ratio).max(0.0).sqrt(), ratio * frequency);
+    let mut shape = vec![Complex64::default(); size];
+    shape[mode] = -Complex64::i();
+    (omega > 0.0).then_some(DampedMode { omega, decay, shape })
 }
 
-impl DampedMode {
-    /// Damping ratio, −Re λ / |λ|.
-    pub fn ratio(&self) -> f64 {
-        self.decay / self.omega.hypot(self.decay)
-    }
-
-    /// Of mode `mode` alone: nothing couples it.
-    fn uncoupled(mode: usize, frequency: f64, rate: f64, size: usize) -> Option<Self> {
-        let decay = 0.5 * rate;
-        let omega = (frequency * frequency - decay * decay).sqrt();
-        let mut shape = vec![Complex64::default(); size];
-        shape[mode] = -Complex64::i();
-        (omega > 0.0).then_some(Self { omega, decay, shape })
+/// The free motion of every mode, in the order of the modes; `None` of rigid-body modes and of overdamped ones. Where damping couples
+/// modes, each motion is of the mode that takes most part in it among those that have none yet; where eigenvalues do not converge, modes are
+/// taken for uncoupled.
+pub(super) fn damped_modes(modes: &Modes, damping: &Damping) -> Vec<Option<DampedMode>> {
+    match damping {
+        Damping::Full(matrix) => coupled(modes, matrix).unwrap_or_else(|_| uncoupled(modes, damping)),
+        Damping::Modal(_) => uncoupled(modes, damping),
     }
 }
 
-/// The free motion of every mode, in the order of the modes; `None` of modes that do not oscillate: rigid-body modes and overdamped ones.
-/// Where damping couples modes, each motion is of the lowest mode among those that take most part in it and have none yet.
-///
-/// # Errors
-/// If eigenvalues do not converge.
-pub fn damped_modes(model: &Model) -> Result<Vec<Option<DampedMode>>, LinalgError> {
-    let frequencies = &model.modes().frequencies;
+fn uncoupled(modes: &Modes, damping: &Damping) -> Vec<Option<DampedMode>> {
+    let n = modes.frequencies.len();
+    let of_mode = |mode: usize| alone(mode, modes.frequencies[mode], damping.diagonal(mode), n);
+    (0..n).map(|mode| of_mode(mode).filter(|_| !modes.is_rigid(mode))).collect()
+}
+
+fn coupled(modes: &Modes, damping: &Matrix) -> Result<Vec<Option<DampedMode>>, LinalgError> {
+    let frequencies = &modes.frequencies;
     let n = frequencies.len();
-    if let Some(rates) = model.damping().uncoupled() {
-        let of_mode = |mode: usize| DampedMode::uncoupled(mode, frequencies[mode], rates[mode], n);
-        return Ok((0..n).map(of_mode).collect());
-    }
     // ẏ = v, with Ω y in the place of y: both parts are of one size.
-    let damping = model.damping();
     let poles = eigen(&Matrix::from_fn(2 * n, 2 * n, |i, j| match (i < n, j < n) {
-        (true, true) => 0.0,
         (true, false) if i == j - n => frequencies[i],
         (false, true) if i - n == j => -frequencies[j],
-        (false, false) => -damping.entry(i - n, j - n),
+        (false, false) => -damping[(i - n, j - n)],
         _ => 0.0,
     }))?;
     let oscillating = poles.into_iter().filter(|(pole, _)| pole.im > OSCILLATES * pole.norm());
     let mut motions: Vec<(Complex64, Vec<Complex64>)> =
         oscillating.map(|(pole, vector)| (pole, normalised(vector[n..].to_vec()))).collect();
+    let deforming: Vec<usize> = (0..n).filter(|&mode| !modes.is_rigid(mode)).collect();
     let part = |shape: &[Complex64], mode: usize| shape[mode].norm_sqr();
-    let most = |shape: &[Complex64]| (0..n).map(|mode| part(shape, mode)).fold(0.0, f64::max);
-    // Shapes have length 1: those of which one mode alone has most come first.
+    // Up to rounding, which must not decide.
+    let most = |shape: &[Complex64]| {
+        let largest = deforming.iter().map(|&mode| part(shape, mode)).fold(0.0, f64::max);
+        (largest / (1.0 - AS_MUCH)).round()
+    };
     motions.sort_by(|a, b| most(&b.1).total_cmp(&most(&a.1)).then(a.0.im.total_cmp(&b.0.im)));
-    let mut modes: Vec<Option<DampedMode>> = vec![None; n];
+    let mut found: Vec<Option<DampedMode>> = vec![None; n];
     for (pole, mut shape) in motions {
-        let free: Vec<usize> = (0..n).filter(|&mode| modes[mode].is_none()).collect();
+        let free: Vec<usize> = deforming.iter().copied().filter(|&mode| found[mode].is_none()).collect();
         let largest = free.iter().map(|&mode| part(&shape, mode)).fold(0.0, f64::max);
         let own = free.into_iter().find(|&mode| part(&shape, mode) >= AS_MUCH * largest);
         let Some(own) = own.filter(|_| largest > 0.0) else { continue };
         let factor = -Complex64::i() / shape[own];
         shape.iter_mut().for_each(|y| *y *= factor);
-        modes[own] = Some(DampedMode { omega: pole.im, decay: -pole.re, shape });
+        let decay = if pole.re.abs() > ROUNDING * pole.norm() { -pole.re } else { 0.0 };
+        found[own] = Some(DampedMode { omega: pole.im, decay, shape });
     }
-    Ok(modes)
+    Ok(found)
 }
 
 /// The same of length 1.
@@ -88,6 +83,7 @@ fn normalised(mut shape: Vec<Complex64>) -> Vec<Complex64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::structure::Model;
 
     fn pair(first: f64) -> Model {
         Model::builder("a dashpot")
@@ -112,14 +108,14 @@ mod tests {
     /// By numpy: a dashpot that holds one mass leaves a motion of the other, lightly damped.
     #[test]
     fn what_a_dashpot_leaves_oscillates() {
-        let modes = damped_modes(&pair(4.0)).unwrap();
+        let modes = pair(4.0).damped_modes().to_vec();
         let [Some(first), None] = &modes[..] else { panic!("{modes:?}") };
         assert!(
             (first.decay - 0.046_268_935_308_537_57).abs() < 1e-12
                 && (first.omega - 1.225_495_358_513_634_4).abs() < 1e-12
         );
         assert!((first.ratio() - 0.037_728_411_531_627_47).abs() < 1e-12);
-        let modes = damped_modes(&pair(2.0)).unwrap();
+        let modes = pair(2.0).damped_modes().to_vec();
         let ratios: Vec<f64> = modes.iter().flatten().map(DampedMode::ratio).collect();
         assert!((ratios[0] - 0.831_166_025_791_306_8).abs() < 1e-12, "{ratios:?}");
         assert!((ratios[1] - 0.056_389_780_962_950_51).abs() < 1e-12, "{ratios:?}");
@@ -129,7 +125,7 @@ mod tests {
     fn they_solve_their_equation() {
         for first in [-0.01, 0.0, 0.02, 1.0, 2.0, 4.0] {
             let model = pair(first);
-            let modes = damped_modes(&model).unwrap();
+            let modes = model.damped_modes();
             for (j, mode) in modes.iter().enumerate().filter_map(|(j, mode)| Some((j, mode.as_ref()?))) {
                 assert!(residual(&model, mode) < 1e-9, "{first}, mode {j}: {}", residual(&model, mode));
                 assert!((mode.shape[j] + Complex64::i()).norm() < 1e-12);
@@ -151,8 +147,41 @@ mod tests {
                 .build()
                 .unwrap()
         };
-        let modes = damped_modes(&model([0.02, 8.0])).unwrap();
+        let modes = model([0.02, 8.0]).damped_modes().to_vec();
         let [Some(first), None] = &modes[..] else { panic!("{modes:?}") };
         assert!((first.decay - 0.01).abs() < 1e-15 && (first.omega - (1.0f64 - 1e-4).sqrt()).abs() < 1e-14);
+    }
+
+    /// What moves the structure without deforming it oscillates at no damping, however much part it takes in a motion.
+    #[test]
+    fn rigid_body_modes_have_no_motion() {
+        let model = Model::builder("dashpot between")
+            .mass(Matrix::diagonal(&[1.0, 1.0]))
+            .stiffness(Matrix::diagonal(&[1.0, 0.0]))
+            .damping_matrix([[2.0, -2.0], [-2.0, 2.0]])
+            .force(0, 1.0)
+            .build()
+            .unwrap();
+        let [None, Some(motion)] = model.damped_modes() else { panic!("{:?}", model.damped_modes()) };
+        // λ³ + 4 λ² + λ + 2 = 0.
+        let pole = Complex64::new(-motion.decay, motion.omega);
+        assert!((pole.powu(3) + 4.0 * pole * pole + pole + 2.0).norm() < 1e-12, "{pole}");
+    }
+
+    /// Modes one per cent apart which damping couples keep their order.
+    #[test]
+    fn close_modes_keep_their_order() {
+        for coupling in [0.5, 0.9, 0.97] {
+            let (delta, damping) = (0.02, [0.01, 0.5 * coupling * 0.02]);
+            let model = Model::builder("close modes")
+                .mass(Matrix::diagonal(&[1.0, 1.0]))
+                .stiffness(Matrix::diagonal(&[1.0, 1.0 + delta]))
+                .damping_matrix([[damping[0], damping[1]], [damping[1], damping[0]]])
+                .force(0, 1.0)
+                .build()
+                .unwrap();
+            let omegas: Vec<f64> = model.damped_modes().iter().flatten().map(|mode| mode.omega).collect();
+            assert!(omegas.len() == 2 && omegas[0] < omegas[1], "{coupling}: {omegas:?}");
+        }
     }
 }

@@ -16,8 +16,7 @@ pub(crate) mod validation;
 
 pub use builder::DEFAULT_RATIO;
 pub use builder::{Channel, Dof, ModelBuilder};
-pub use damped::{DampedMode, damped_modes};
 pub use error::{ModelError, Place};
-pub use model::{ContactElement, Damping, Element, Forcing, Model, Modes};
+pub use model::{ContactElement, DampedMode, Damping, Element, Forcing, Model, Modes};
 pub use restore::ModelData;
 pub use symmetry::Exchange;

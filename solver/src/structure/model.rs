@@ -13,6 +13,7 @@ pub struct Model {
     pub(super) stiffness: Matrix,
     pub(super) modes: Modes,
     pub(super) damping: Damping,
+    pub(super) damped: Vec<Option<DampedMode>>,
     pub(super) forcing: Forcing,
     pub(super) elements: Vec<Element>,
     pub(super) monitors: Vec<usize>,
@@ -60,6 +61,29 @@ pub enum Damping {
     Modal(Vec<f64>),
     /// Full n × n matrix, 1/s.
     Full(Matrix),
+}
+
+/// A free motion that oscillates while it decays, Re y exp(λt), λ = −decay + i omega.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DampedMode {
+    /// Frequency, rad/s, above zero.
+    pub omega: f64,
+    /// Decay rate, 1/s; negative where it grows.
+    pub decay: f64,
+    /// Shape y, n modal amplitudes, the mode's own −i.
+    pub shape: Vec<Complex64>,
+}
+
+impl DampedMode {
+    /// |λ|, rad/s.
+    pub fn natural(&self) -> f64 {
+        self.omega.hypot(self.decay)
+    }
+
+    /// Damping ratio, −Re λ / |λ|.
+    pub fn ratio(&self) -> f64 {
+        self.decay / self.natural()
+    }
 }
 
 /// Share of the largest entry of a matrix that is rounding.
@@ -209,6 +233,23 @@ impl Model {
     /// Damping in modal coordinates.
     pub fn damping(&self) -> &Damping {
         &self.damping
+    }
+
+    /// The free motion of every mode with its damping, as far as it oscillates.
+    pub fn damped_modes(&self) -> &[Option<DampedMode>] {
+        &self.damped
+    }
+
+    /// Where mode `j` resonates, |λ|, rad/s, and how fast its free motion decays, −Re λ, 1/s; of one that does not oscillate what they would
+    /// be if nothing coupled it.
+    ///
+    /// # Panics
+    /// If there is no such mode.
+    pub fn resonance(&self, j: usize) -> (f64, f64) {
+        match (&self.damping, &self.damped[j]) {
+            (Damping::Full(_), Some(motion)) => (motion.natural(), motion.decay),
+            _ => (self.modes.frequencies[j], 0.5 * self.damping.diagonal(j)),
+        }
     }
 
     /// Forcing shape and harmonic.

@@ -1,5 +1,6 @@
 //! A model as plain data, modes and all: how it travels, is stored, and is changed.
 
+use super::damped::damped_modes;
 use super::error::{ModelError, Place};
 use super::validation::{check_elements, check_force, check_harmonic, check_monitors, duplicate};
 use super::{Damping, Element, Forcing, Model, Modes};
@@ -31,7 +32,7 @@ pub struct ModelData {
 
 impl From<Model> for ModelData {
     fn from(model: Model) -> Self {
-        let Model { name, dofs, mass, stiffness, modes, damping, forcing, elements, monitors } = model;
+        let Model { name, dofs, mass, stiffness, modes, damping, damped: _, forcing, elements, monitors } = model;
         Self { name, dofs, mass, stiffness, modes, damping, forcing, elements, monitors }
     }
 }
@@ -62,7 +63,8 @@ impl TryFrom<ModelData> for Model {
         check_harmonic(data.forcing.harmonic)?;
         check_elements(&data.elements, n)?;
         let ModelData { name, dofs, mass, stiffness, modes, damping, forcing, elements, monitors } = data;
-        Ok(Self { name, dofs, mass, stiffness, modes, damping, forcing, elements, monitors })
+        let damped = damped_modes(&modes, &damping);
+        Ok(Self { name, dofs, mass, stiffness, modes, damping, damped, forcing, elements, monitors })
     }
 }
 

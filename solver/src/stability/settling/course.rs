@@ -182,7 +182,7 @@ impl<'m> Course<'m> {
     fn loss(&self) -> f64 {
         // What does not deform the structure does not ring.
         let rings = |j: &usize| !self.model.modes().is_rigid(*j);
-        let rates = (0..self.model.size()).filter(rings).map(|j| 0.5 * self.model.damping().diagonal(j));
+        let rates = (0..self.model.size()).filter(rings).map(|j| self.model.resonance(j).1);
         rates.fold(f64::INFINITY, f64::min).max(0.0) * std::f64::consts::TAU / self.omega
     }
 
