@@ -113,7 +113,7 @@ impl<'m> Oscillations<'m> {
         ))
     }
 
-    /// The same of the primary mode, without which there is no sweep.
+    /// Of the primary mode, without which there is no sweep, if it does not oscillate: a sentence.
     pub(super) fn overdamped_primary(&self) -> Option<String> {
         self.without_oscillation(self.settings.tracked(self.model))
     }
@@ -121,16 +121,15 @@ impl<'m> Oscillations<'m> {
     fn without_oscillation(&self, mode: usize) -> Option<String> {
         let is_free = self.settings.backbone.equation == BackboneEquation::DampedMode;
         let oscillates = self.motion(mode).is_some() || self.model.modes().is_rigid(mode);
-        let number = mode + 1;
-        (is_free && !oscillates).then(|| match self.ratio(mode) {
-            ratio if ratio >= 1.0 => format!(
-                "mode {number} is overdamped (ratio {}): no resonance, no backbone; are the units of the damping right?",
-                digits(ratio, 3)
-            ),
-            _ => format!(
-                "mode {number} does not oscillate, since damping couples it with others: no resonance, no backbone; are the units of the \
-                 damping right?"
-            ),
+        (is_free && !oscillates).then(|| {
+            let why = match self.ratio(mode) {
+                ratio if ratio >= 1.0 => format!("is overdamped (ratio {})", digits(ratio, 3)),
+                ratio if ratio <= -1.0 => {
+                    format!("does not oscillate, since its damping is negative (ratio {})", digits(ratio, 3))
+                }
+                _ => "does not oscillate, since damping couples it with others".into(),
+            };
+            format!("mode {} {why}: no resonance, no backbone; are the units of the damping right?", mode + 1)
         })
     }
 }

@@ -341,3 +341,14 @@ fn a_dashpot_that_couples_modes() {
     let [overdamped, _nothing_nonlinear] = &warnings[..] else { panic!("{text}") };
     assert!(overdamped.starts_with("mode 2 does not oscillate, since damping couples it with others: "), "{text}");
 }
+
+/// A mass that is driven away faster than its spring pulls it back is not overdamped, nor coupled with anything.
+#[test]
+fn damping_below_minus_the_critical_one() {
+    let model = MODEL
+        .replace("[damping]\nratios = [{ modes = \"1\", ratio = 1e-2 }]\n", "")
+        .replace("[[1e4]]", "[[1e4]]\ndamping = [[-300]]");
+    let (warnings, text) = checked(&model, "0.5", &[]);
+    let why = "mode 1 does not oscillate, since its damping is negative (ratio -1.5): no resonance, no backbone; are the units of the damping right?";
+    assert!(warnings.iter().any(|warning| warning == why), "{text}");
+}

@@ -39,15 +39,20 @@ pub(super) fn distance<'m, F: Formulation<'m>>(problem: &F, a: &State, b: &State
         .fold(f64::INFINITY, f64::min)
 }
 
+/// Relative distance of a response from the linear one, and that; `None` at an undamped resonance.
+fn away_from_linear<'m, F: Formulation<'m>>(problem: &F, state: &State) -> Option<(f64, State)> {
+    let linear = forced_response(problem, state.forcing, state.omega).ok()?;
+    Some((distance(problem, state, &linear), linear))
+}
+
 /// Whether a response is the linear one, nearly.
 fn is_linear<'m, F: Formulation<'m>>(problem: &F, state: &State) -> bool {
-    forced_response(problem, state.forcing, state.omega).is_ok_and(|linear| distance(problem, state, &linear) < LINEAR)
+    away_from_linear(problem, state).is_some_and(|(away, _)| away < LINEAR)
 }
 
 /// See [`crate::response::forced::Forced::is_ordinary`].
 pub(super) fn is_ordinary<'m, F: Formulation<'m>>(problem: &mut F, settings: &NewtonSettings, state: &State) -> bool {
-    let Ok(linear) = forced_response(problem, state.forcing, state.omega) else { return false };
-    let away = distance(problem, state, &linear);
+    let Some((away, linear)) = away_from_linear(problem, state) else { return false };
     away < LINEAR
         || (away < ORDINARY
             && converge(problem, settings, &linear).is_ok_and(|found| distance(problem, &found, state) < 1e-6))
