@@ -528,6 +528,25 @@ def test_a_file_in_the_place_of_the_folder(tmp_path: Path) -> None:
 
 
 @pytest.mark.needs_program
+def test_a_folder_of_somebody_else(tmp_path: Path) -> None:
+    """Nothing of it is written over; what an earlier attempt wrote is."""
+    model, settings = Model([[1]], [[1]], laws=[CUBIC]), {"search": "none", "harmonics": {"count": 3}}
+    for name, said in (("thesis.tex", "holds thesis.tex, and no run"), ("study.toml", "a study already")):
+        out = tmp_path / name
+        out.mkdir()
+        (out / name).write_text("mine")
+        with pytest.raises(isola_hbm.FolderInUse, match=said):
+            isola_hbm.sweep(model, [0.01], out=out, workers=1, progress=False, **settings)
+        assert [entry.name for entry in out.iterdir()] == [name] and (out / name).read_text() == "mine"
+    attempt = tmp_path / "attempt"
+    attempt.mkdir()
+    with pytest.raises(isola_hbm.StudyRefused):
+        isola_hbm.sweep(model, [0.01], out=attempt, workers=1, progress=False, frequency={"min": 2, "max": 1})
+    assert (attempt / "study.toml").exists()
+    assert len(isola_hbm.sweep(model, [0.01], out=attempt, workers=1, progress=False, **settings)) == 1
+
+
+@pytest.mark.needs_program
 def test_doubts_are_a_warning(tmp_path: Path) -> None:
     model = Model.load(MODELS / "duffing")
     settings = {"search": "none", "branch": {"max_points": 10}, "harmonics": {"count": 3}}

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any, TypeAlias
 
 from . import program, toml
-from .errors import BadStudy, ModelRefused, ProgramFailed, StudyRefused
+from .errors import BadStudy, FolderInUse, ModelRefused, ProgramFailed, StudyRefused
 
 #: Amplitudes: a list, or a text as ``"20:140:20"``.
 Amplitudes: TypeAlias = "str | float | Iterable[str | float]"
@@ -47,6 +47,10 @@ EFFORTS = ("search", "verify")
 
 #: Folder of a model made in Python, beside its study.
 MODEL = "model"
+#: Most entries of a folder that are named.
+_NAMED = 3
+#: First line of a study that is written here, not by a person.
+_WRITTEN = "# Written by isola_hbm, and anew when it is asked again."
 
 
 def options(amplitudes: Amplitudes | None, workers: int | None, settings: dict[str, Any]) -> list[str]:
@@ -103,10 +107,26 @@ def write(folder: Path, model: str, amplitudes: Amplitudes, settings: Mapping[st
     """The file of a study in `folder`, of a model whose folder is named as seen from there."""
     file, given = folder / "study.toml", settings or {}
     efforts = {name: {"effort": given[name]} for name in EFFORTS if isinstance(given.get(name), str)}
-    lines = [f"model = {toml.literal(model)}", f"amplitudes = {toml.literal(typed(amplitudes))}"]
+    lines = [_WRITTEN, f"model = {toml.literal(model)}", f"amplitudes = {toml.literal(typed(amplitudes))}"]
     lines += [f"{key} = {value}" for key, value in toml.dotted({**given, **efforts})]
     file.write_text("\n".join(lines) + "\n", encoding="utf-8")
     return file
+
+
+def require_own(folder: Path) -> None:
+    """Refuses a folder for a run and its study that holds anything of somebody else's."""
+    if not folder.is_dir():
+        return
+    file = folder / "study.toml"
+    if file.exists():
+        if not file.read_text(encoding="utf-8", errors="replace").startswith(_WRITTEN):
+            raise FolderInUse(f"{file}: a study already; give another `out`")
+        return
+    if foreign := sorted(entry.name for entry in folder.iterdir() if not entry.name.startswith(".")):
+        more = f" and {len(foreign) - _NAMED} more" if len(foreign) > _NAMED else ""
+        raise FolderInUse(
+            f"{folder}: this folder holds {', '.join(foreign[:_NAMED])}{more}, and no run; give an `out` that is new or empty"
+        )
 
 
 def check(folder: Path, amplitudes: Amplitudes | None, settings: dict[str, Any]) -> str:

@@ -67,7 +67,7 @@ def sweep(
             ``search="thorough"``.
 
     Raises:
-        FolderInUse: There is a run in `out`, or a file in its place.
+        FolderInUse: There is a run in `out`, or something else that is not this function's, or a file in its place.
         BadStudy: Amplitudes, settings or `workers` that make no sense, or a keyword is mistyped; where the program says so
             (:class:`StudyRefused`) with its own message.
         BadModel: It is no model, or has no study, and no amplitudes are given; or the program refuses it (:class:`ModelRefused`).
@@ -231,6 +231,7 @@ def _study(
             return path
     if amplitudes is None:
         raise BadModel(f"{model}: no study; give amplitudes, as in sweep(model, amplitudes=[20, 60])")
+    study.require_own(folder)
     folder.mkdir(parents=True, exist_ok=True)
     at = model.save(folder / study.MODEL, overwrite=True) if isinstance(model, Model) else path
     return study.write(folder, os.path.relpath(at, folder), amplitudes, settings)
