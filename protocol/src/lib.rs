@@ -47,8 +47,8 @@ pub mod steps;
 pub mod to_everyone;
 pub mod to_worker;
 
-/// Version of the messages, the `v12` of keys and encodings. Workers of another version are refused.
-pub const VERSION: u32 = 12;
+/// Version of the messages, the `v13` of keys and encodings. Workers of another version are refused.
+pub const VERSION: u32 = 13;
 
 /// Version of the program, for the record of who computed what.
 pub const PROGRAM: &str = env!("CARGO_PKG_VERSION");

@@ -2,7 +2,7 @@
 
 use crate::study::Study;
 use results::words::{self, digits, number};
-use solver::response::modes::ModesFollowed;
+use solver::response::modes::{LeftOut, ModesFollowed};
 use solver::settings::{BackboneEquation, Settings};
 use solver::structure::laws::{Law, LawKind};
 use solver::structure::{DampedMode, Model};
@@ -96,9 +96,11 @@ impl<'m> Oscillations<'m> {
         ModesFollowed::choose(self.model, self.settings).followed
     }
 
-    /// Of each mode that is followed along its damped free motion, and has none: so much damping is often one in other units.
+    /// Of each mode that would be followed along its damped free motion, and has none: so much damping is often one in other units.
     pub(super) fn overdamped(&self) -> Vec<String> {
-        self.followed().into_iter().filter_map(|mode| self.without_oscillation(mode)).collect()
+        let ModesFollowed { followed, left_out } = ModesFollowed::choose(self.model, self.settings);
+        let left_out = left_out.into_iter().filter(|(_, why)| *why == LeftOut::Overdamped).map(|(mode, _)| mode);
+        followed.into_iter().chain(left_out).filter_map(|mode| self.without_oscillation(mode)).collect()
     }
 
     /// Of the modes that are followed the most damped one, if it is damped more than structures are: a sentence.

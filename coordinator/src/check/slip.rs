@@ -24,8 +24,8 @@ pub(super) struct FirstSlip<'m> {
     element: &'m Element,
     /// At which frequency of the response, rad/s.
     omega: f64,
-    /// Mode, from 0, of the structure that sticks; `None` at a bound of the study.
-    mode: Option<usize>,
+    /// What resonates there; `None` at a bound of the study.
+    near: Option<Resonance>,
     /// Whether there is something with a gap, or that is closed at rest.
     may_touch: bool,
 }
@@ -38,8 +38,13 @@ impl FirstSlip<'_> {
             _ => "slips",
         };
         let omega = frequency(study, self.omega);
-        let place = match self.mode {
-            Some(mode) => format!("at {omega}, near the resonance of mode {} as long as all sticks", mode + 1),
+        let place = match &self.near {
+            Some(Resonance { is_locked: true, .. }) => {
+                format!("at {omega}, near a resonance of the structure that its friction holds")
+            }
+            Some(Resonance { mode, .. }) => {
+                format!("at {omega}, near the resonance of mode {} as long as all sticks", mode + 1)
+            }
             None => format!("at the bound {omega}"),
         };
         let touching = if self.may_touch { " with nothing that touches" } else { "" };
@@ -50,6 +55,17 @@ impl FirstSlip<'_> {
             self.element.name
         )
     }
+}
+
+/// A resonance of a structure of which everything sticks.
+#[derive(Clone, Copy)]
+struct Resonance {
+    /// Mode, from 0, of that structure.
+    mode: usize,
+    /// Frequency of the force, rad/s.
+    omega: f64,
+    /// Whether dry friction lets nothing move, or is not there.
+    is_locked: bool,
 }
 
 /// Where a joint or dry friction begins to slip, the forcing growing, in the linear response at bounds of the study and about resonances
@@ -64,18 +80,19 @@ pub(super) fn first_slip<'s>(study: &'s Study, followed: &[usize]) -> Option<Fir
     let given = study.settings.frequency;
     let m = model.forcing().harmonic as f64;
     let may_touch = model.elements().iter().any(|element| element.law.clearance().is_some_and(|gap| gap >= 0.0));
-    let slip = |omega: f64, mode: Option<usize>| {
+    let slip = |omega: f64, near: Option<Resonance>| {
         let (forcing, element) = held.slips_at(omega)?;
-        Some(FirstSlip { forcing, element, omega, mode, may_touch })
+        Some(FirstSlip { forcing, element, omega, near, may_touch })
     };
-    let resonances: Vec<(usize, f64)> = held.resonances().into_iter().map(|(mode, omega)| (mode, omega / m)).collect();
+    let resonances = held.resonances(m);
     // Main branches lead past what lies below, whichever mode is followed.
-    let of_followed = resonances.iter().filter(|(mode, _)| followed.contains(mode)).map(|(_, omega)| *omega);
+    let of_followed = resonances.iter().filter(|found| followed.contains(&found.mode)).map(|found| found.omega);
     let highest =
         if given.min.is_some() && given.max.is_some() { f64::INFINITY } else { of_followed.fold(0.0, f64::max) };
-    let is_looked_at = |&&(_, omega): &&(usize, f64)| is_within(given, omega) && omega <= highest;
-    let about = resonances.iter().filter(is_looked_at).filter_map(|&(mode, omega)| {
-        let others = resonances.iter().map(|&(_, other)| other).filter(|&other| other != omega);
+    let is_looked_at = |found: &&Resonance| is_within(given, found.omega) && found.omega <= highest;
+    let about = resonances.iter().filter(is_looked_at).filter_map(|found| {
+        let omega = found.omega;
+        let others = resonances.iter().map(|other| other.omega).filter(|&other| other != omega);
         let middle = others.fold((0.0_f64, 2.0 * omega), |(low, high), other| {
             let at = f64::midpoint(other, omega);
             if at < omega { (low.max(at), high) } else { (low, high.min(at)) }
@@ -85,7 +102,7 @@ pub(super) fn first_slip<'s>(study: &'s Study, followed: &[usize]) -> Option<Fir
         let first = smallest(|omega| held.slips_at(omega).map(|(forcing, _)| forcing), omega, (low, high))?;
         // Least at an end is no resonance.
         let is_inside = (first - low).min(high - first) > 1e-6 * (high - low);
-        is_inside.then(|| slip(first, Some(mode))).flatten()
+        is_inside.then(|| slip(first, Some(*found))).flatten()
     });
     let bounds = [given.min, given.max].into_iter().flatten().filter_map(|omega| slip(omega, None));
     about.chain(bounds).min_by(|a, b| a.forcing.total_cmp(&b.forcing))
@@ -146,9 +163,9 @@ impl<'s> Held<'s> {
         slips.filter(|(forcing, _)| forcing.is_finite()).min_by(|a, b| a.0.total_cmp(&b.0))
     }
 
-    /// Resonances of what sticks, in frequencies of the force, rad/s: with dry friction as if it were not there, and as if it let nothing
-    /// move, since it may be anything between.
-    fn resonances(&self) -> Vec<(usize, f64)> {
+    /// Resonances of what sticks, by frequency of the force, which acts on harmonic `m`: with dry friction as if it were not there, and as if it
+    /// let nothing move, since it may be anything between.
+    fn resonances(&self, m: f64) -> Vec<Resonance> {
         let largest = self.model.modes().frequencies.iter().fold(0.0_f64, |largest, omega| largest.max(*omega));
         let locked = |element: &Element| match &element.law {
             LawKind::TanhFriction(_) => {
@@ -157,12 +174,13 @@ impl<'s> Held<'s> {
             }
             _ => stiffness(element),
         };
-        let of = |stiffness: &dyn Fn(&Element) -> Option<f64>| {
-            SmallMotion::of(self.model, stiffness).map(|motion| motion.frequencies()).unwrap_or_default()
+        let of = |stiffness: &dyn Fn(&Element) -> Option<f64>, is_locked: bool| {
+            let found = SmallMotion::of(self.model, stiffness).map(|motion| motion.frequencies()).unwrap_or_default();
+            found.into_iter().map(move |(mode, omega)| Resonance { mode, omega: omega / m, is_locked })
         };
-        let mut list: Vec<(usize, f64)> = of(&stiffness).into_iter().chain(of(&locked)).collect();
-        list.sort_by(|a, b| a.1.total_cmp(&b.1));
-        list.dedup_by(|a, b| (a.1 - b.1).abs() <= 1e-9 * b.1);
+        let mut list: Vec<Resonance> = of(&stiffness, false).chain(of(&locked, true)).collect();
+        list.sort_by(|a, b| a.omega.total_cmp(&b.omega).then(a.is_locked.cmp(&b.is_locked)));
+        list.dedup_by(|a, b| (a.omega - b.omega).abs() <= 1e-9 * b.omega);
         list
     }
 }

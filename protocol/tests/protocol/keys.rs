@@ -70,7 +70,7 @@ fn keys_are_those_documented() {
         (keys.alive_workers(), "alive/worker/*"),
     ] {
         let filled = name.replace("<task>", task.as_str()).replace("<worker>", worker.as_str()).replace("<mode>", "2");
-        assert_eq!(key, format!("isola/v12/damper-1/{filled}"));
+        assert_eq!(key, format!("isola/v13/damper-1/{filled}"));
         assert!(documented.contains(&format!("`{name}`")), "{name} is not in MESSAGES.md");
         zenoh::key_expr::KeyExpr::try_from(key.as_str()).unwrap();
         assert!(zenoh::key_expr::KeyExpr::autocanonize(key.clone()).is_ok_and(|canon| canon.as_str() == key));

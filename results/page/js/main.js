@@ -83,8 +83,9 @@ function fillHeader({ run, orders, verdict }) {
   document.querySelector("#missing").hidden = run.missing.length === 0;
   document.querySelector("#missing ul").replaceChildren(...run.missing.map((sentence) => element("li", {}, sentence)));
   document.querySelector("#verdict").replaceChildren(
-    ...verdict.map(({ title, text, lost, details: more, reach }) => element("div", {},
+    ...verdict.map(({ title, lead, text, lost, details: more, reach }) => element("div", {},
       element("h2", {}, title),
+      ...(lead ? [element("p.lost", {}, lead)] : []),
       element("p", {}, text),
       ...(lost ? [element("p.lost", {}, lost)] : []),
       ...(more.length > 0 ? [element("ul", {}, ...more.map((sentence) => element("li", {}, sentence)))] : []),

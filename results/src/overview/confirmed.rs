@@ -23,6 +23,63 @@ pub fn is_unmatched(row: &BranchRow) -> bool {
     row.is_isola() && is_lost && !row.stability.as_ref().is_some_and(is_marched)
 }
 
+/// How many of several isolas nothing confirms, where some are not confirmed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Doubts {
+    all: usize,
+    unmatched: usize,
+    unconfirmed: usize,
+}
+
+impl Doubts {
+    /// Those of these isolas.
+    pub fn about<'r>(isolas: impl Iterator<Item = &'r BranchRow>) -> Self {
+        let mut doubts = Self { all: 0, unmatched: 0, unconfirmed: 0 };
+        for row in isolas {
+            doubts.all += 1;
+            doubts.unmatched += usize::from(is_unmatched(row));
+            doubts.unconfirmed += usize::from(is_unconfirmed(row));
+        }
+        doubts
+    }
+
+    /// What follows `isolas`; which of several ones are meant is told `elsewhere`.
+    pub fn clause(self, elsewhere: &str) -> String {
+        match self.unconfirmed {
+            0 if self.unmatched == 0 => String::new(),
+            0 if self.unmatched < self.all => {
+                format!(", some of which twice the harmonics do not confirm{elsewhere}")
+            }
+            0 if self.all == 1 => ", which twice the harmonics do not confirm".into(),
+            0 => ", none of which twice the harmonics confirm".into(),
+            some if self.unmatched > some => format!(
+                ", some of which may be artefacts of too few harmonics and others are not confirmed by twice as many{elsewhere}"
+            ),
+            some if some < self.all => {
+                format!(", some of which may be artefacts of too few harmonics{elsewhere}")
+            }
+            _ if self.all == 1 => ", which may be an artefact of too few harmonics".into(),
+            _ => ", all of which may be artefacts of too few harmonics".into(),
+        }
+    }
+
+    /// The same in a sentence, after one about the isolas.
+    pub fn sentence(self) -> Option<&'static str> {
+        match self.unconfirmed {
+            0 if self.unmatched == 0 => None,
+            0 if self.unmatched < self.all => Some("Twice the harmonics do not confirm all of these isolas."),
+            0 if self.all == 1 => Some("Twice the harmonics do not confirm it."),
+            0 => Some("Twice the harmonics confirm none of these isolas."),
+            some if self.unmatched > some => Some(
+                "Some of these isolas may be artefacts of too few harmonics, and others are not confirmed by twice as many.",
+            ),
+            some if some < self.all => Some("Some of these isolas may be artefacts of too few harmonics."),
+            _ if self.all == 1 => Some("It may be an artefact of too few harmonics."),
+            _ => Some("All of these isolas may be artefacts of too few harmonics."),
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -61,5 +118,21 @@ mod tests {
         for matched in [isola(Some(1.0), None), isola(None, marched("unstable", 1.0)), row("main", None)] {
             assert!(!is_unmatched(&looked_for(matched)));
         }
+        let artefact = looked_for(isola(None, marched("none", 0.0)));
+        let unmatched = looked_for(isola(None, None));
+        let confirmed = looked_for(isola(Some(1.0), None));
+        let told = |rows: &[&BranchRow]| {
+            let doubts = Doubts::about(rows.iter().copied());
+            (doubts.clause(" (see the table)"), doubts.sentence().unwrap_or_default())
+        };
+        assert_eq!(told(&[&confirmed]), (String::new(), ""));
+        let (clause, sentence) = told(&[&artefact]);
+        assert_eq!(clause, ", which may be an artefact of too few harmonics");
+        assert_eq!(sentence, "It may be an artefact of too few harmonics.");
+        assert_eq!(told(&[&unmatched]).1, "Twice the harmonics do not confirm it.");
+        assert_eq!(told(&[&unmatched; 2]).1, "Twice the harmonics confirm none of these isolas.");
+        assert!(told(&[&artefact, &confirmed]).0.ends_with("too few harmonics (see the table)"));
+        assert!(told(&[&artefact, &unmatched]).1.ends_with("others are not confirmed by twice as many."));
+        assert_eq!(told(&[&unmatched, &confirmed]).1, "Twice the harmonics do not confirm all of these isolas.");
     }
 }

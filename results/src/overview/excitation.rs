@@ -14,6 +14,8 @@ pub struct Unforced {
     pub linear: f64,
     /// To the laws, J.
     pub nonlinear: f64,
+    /// Whether the laws feed in more than the damping takes from the smallest motions on of which that is known.
+    pub is_fed_at_rest: bool,
     /// If that is damped: amplitude of the first monitored dof, m, and frequency, rad/s, from which on the laws feed in more than
     /// the damping takes.
     pub fed_from: Option<(f64, f64)>,
@@ -29,9 +31,10 @@ impl Unforced {
     pub fn of(backbone: &Backbone) -> Option<Self> {
         let lost = backbone.points.first()?.energies();
         let balance = |at: &BackbonePoint| at.energies().linear + at.energies().nonlinear;
+        let rounding = |at: &BackbonePoint| ROUND_OFF * at.energies().linear + OF_KINETIC * kinetic(at);
         let begins = |pair: &&[BackbonePoint]| {
             let (before, behind) = (balance(&pair[0]), balance(&pair[1]));
-            before >= 0.0 && behind < -(ROUND_OFF * pair[1].energies().linear + OF_KINETIC * kinetic(&pair[1]))
+            before >= 0.0 && behind < -rounding(&pair[1])
         };
         let pairs = backbone.pieces().next()?.windows(2);
         let fed_from = pairs.clone().find(begins).map(|pair| {
@@ -39,8 +42,10 @@ impl Unforced {
             let between = |of: fn(&BackbonePoint) -> f64| of(&pair[0]) + share * (of(&pair[1]) - of(&pair[0]));
             (between(|at| at.point.amplitude()), between(|at| at.point.omega()))
         });
-        let fed_from = fed_from.filter(|_| lost.linear + lost.nonlinear >= 0.0);
-        Some(Self { mode: backbone.mode, linear: lost.linear, nonlinear: lost.nonlinear, fed_from })
+        let mut known = backbone.pieces().next()?.iter().filter(|at| balance(at).abs() > rounding(at));
+        let is_fed_at_rest = known.next().is_some_and(|at| balance(at) < 0.0);
+        let fed_from = fed_from.filter(|_| lost.linear + lost.nonlinear >= 0.0 && !is_fed_at_rest);
+        Some(Self { mode: backbone.mode, linear: lost.linear, nonlinear: lost.nonlinear, is_fed_at_rest, fed_from })
     }
 
     fn balance(&self) -> f64 {
@@ -98,7 +103,7 @@ impl Excitation {
             };
             return Some(format!("{} {has} negative linear damping{so}.", capitalised(&modes(excited))));
         }
-        if let Some(fed) = known.iter().find(|motion| motion.linear > 0.0 && motion.balance() < 0.0) {
+        if let Some(fed) = known.iter().find(|motion| motion.is_fed_at_rest) {
             return Some(format!(
                 "At small amplitudes the nonlinear forces feed more energy into mode {} than its damping takes: the \
                  structure can vibrate by itself, from rest and without forcing.",
@@ -132,22 +137,27 @@ mod tests {
     /// With one harmonic of velocity V the damper takes 0.02 − 0.045 V² + 0.01875 V⁴ of V² π: nothing at V² = 0.5890 and 1.8110.
     #[test]
     fn where_what_is_fed_in_exceeds_the_damping() {
-        let unforced = |cubic: f64| {
+        let unforced = |damping: f64, cubic: f64| {
             let terms = [(3, cubic), (5, 0.03)].map(|(power, coefficient)| Term { power, coefficient });
             let model = Model::builder("mass")
                 .mass([[1.0]])
                 .stiffness([[1.0]])
-                .damping_matrix([[0.02]])
+                .damping_matrix([[damping]])
                 .force("x1", 1.0)
                 .element("damper", PolynomialDamper { terms: terms.to_vec() }, ["x1"])
                 .build()
                 .unwrap();
             Unforced::of(&Backbone::compute(&model, &Settings::default()).unwrap()).unwrap()
         };
-        let (amplitude, omega) = unforced(-0.06).fed_from.unwrap();
+        let (amplitude, omega) = unforced(0.02, -0.06).fed_from.unwrap();
         let exact = f64::sqrt((0.045 - f64::sqrt(0.045_f64.powi(2) - 4.0 * 0.02 * 0.01875)) / (2.0 * 0.01875));
         assert!((amplitude * omega / exact - 1.0).abs() < 5e-3, "{amplitude} {omega}, not {exact}");
-        assert_eq!(unforced(-0.05).fed_from, None);
+        assert_eq!(unforced(0.02, -0.05).fed_from, None);
+        // Nothing but the damper acts against it: from rest on.
+        let undamped = unforced(0.0, -0.06);
+        assert!(undamped.is_fed_at_rest && undamped.fed_from.is_none(), "{undamped:?}");
+        let held = [unforced(0.0, 0.06), unforced(0.02, -0.06)];
+        assert!(held.iter().all(|held| !held.is_fed_at_rest), "{held:?}");
     }
 
     /// A spring gives back what it takes, however large the motion and whatever rounding says, damped or not.
@@ -166,7 +176,8 @@ mod tests {
             let mut settings = Settings::default();
             settings.backbone.max_amplitude = Some(0.01);
             for backbone in Backbones::compute(&model, &settings).unwrap().list {
-                assert_eq!(Unforced::of(&backbone).unwrap().fed_from, None, "power {power}, {damping}");
+                let unforced = Unforced::of(&backbone).unwrap();
+                assert_eq!((unforced.fed_from, unforced.is_fed_at_rest), (None, false), "power {power}, {damping}");
             }
         }
     }

@@ -121,6 +121,12 @@ impl Level {
         self.branches.iter().filter(|branch| branch.is_isola())
     }
 
+    /// Whether one of its other branches is cut or unfinished: it may be an isola.
+    pub fn has_undecided(&self) -> bool {
+        let kinds = [BranchKind::Cut, BranchKind::Unfinished].map(BranchKind::name);
+        self.others().any(|row| kinds.contains(&row.kind.as_str()))
+    }
+
     /// The one of them with the point of largest amplitude.
     pub fn highest_isola(&self) -> Option<&BranchRow> {
         highest(self.isolas())
@@ -191,6 +197,11 @@ pub fn is_untouched(levels: &[Level]) -> bool {
     let touches = |level: &Level| level.branches.iter().any(|branch| branch.certificate.contact_omega.is_some());
     let are_some = levels.iter().any(|level| !level.branches.is_empty());
     are_some && levels.iter().all(|level| level.is_complete() && !touches(level))
+}
+
+/// What is said after that no isola was found.
+pub fn undecided(levels: &[Level]) -> &'static str {
+    if levels.iter().any(Level::has_undecided) { "; what is cut or unfinished may be one" } else { "" }
 }
 
 /// The branch with the point of largest amplitude; one whose amplitude cannot be read counts for nothing.

@@ -123,18 +123,21 @@ impl LookedFor<'_> {
 
     /// Where isolas were looked for: `the windows of mode 1 at 7 levels (12 seeds tried, 2 without a branch near them)`.
     fn searched(&self) -> String {
-        let complete = || self.levels.iter().filter(|level| level.is_complete());
-        let levels = complete().count();
-        let tried: usize = complete().map(|level| level.seeds.tried).sum();
-        let failed: usize = complete().map(|level| level.seeds.failed).sum();
+        let complete = self.levels.iter().filter(|level| level.is_complete()).count();
+        let tried: usize = self.levels.iter().map(|level| level.seeds.tried).sum();
+        let failed: usize = self.levels.iter().map(|level| level.seeds.failed).sum();
         let harmonic = match self.harmonic {
             0 | 1 => String::new(),
             m => format!(", the forcing acting on harmonic {m}"),
         };
         let nowhere = if failed > 0 { format!(", {failed} without a branch near them") } else { String::new() };
-        let complete = if levels == self.levels.len() { "level" } else { "complete level" };
+        let levels = match self.levels.len() {
+            all if all == complete => count(all, "level"),
+            all if complete == 0 => format!("{}, none of them completely", count(all, "level")),
+            all => format!("{}, {complete} of them completely", count(all, "level")),
+        };
         let (windows, none) = self.windows();
-        let (none, levels) = (none.map_or_else(String::new, |none| format!("; {none}")), count(levels, complete));
+        let none = none.map_or_else(String::new, |none| format!("; {none}"));
         let folds = match self.curves {
             0 => String::new(),
             number => format!(" and along {}", count(number, "fold curve")),

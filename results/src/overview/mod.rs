@@ -41,7 +41,7 @@ mod windows;
 pub use around_largest::around_largest;
 pub use beginnings::{beginning, is_begun};
 pub use bounds::{beyond, bounds, is_within, reach_sentence};
-pub use confirmed::{is_unconfirmed, is_unmatched};
+pub use confirmed::{Doubts, is_unconfirmed, is_unmatched};
 pub use doubts::{doubts, ends_far_beyond, ends_near};
 pub use event_words::{BIRTH, DEATH, EVENTS, EventWords, MERGE, MERGES};
 pub use events::events_sentence;
@@ -55,7 +55,7 @@ pub use largest_stable::{
     StableResponse, largest_stable, largest_stable_sentence, passed_over_sentence, unstable_peak_sentence,
 };
 pub use lesser::Lesser;
-pub use level::{Level, Seeds, UNTOUCHED, highest, is_untouched};
+pub use level::{Level, Seeds, UNTOUCHED, highest, is_untouched, undecided};
 pub use lives::parted_between;
 pub use looked_for::{LookedFor, has_joints};
 pub use merges::merge_verb;

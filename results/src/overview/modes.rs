@@ -12,12 +12,13 @@ pub fn followed(choice: &ModesFollowed) -> String {
 type Reason = (fn(&LeftOut) -> bool, [&'static str; 2]);
 
 /// Why modes are left out, and what that is called.
-const REASONS: [Reason; 5] = [
+const REASONS: [Reason; 6] = [
     (|why| *why == LeftOut::NotListed, ["not in the list of modes"; 2]),
     (
         |why| *why == LeftOut::RigidBody,
         ["a rigid body but for laws, without a backbone", "rigid bodies but for laws, without backbones"],
     ),
+    (|why| *why == LeftOut::Overdamped, ["overdamped: it does not oscillate", "overdamped: they do not oscillate"]),
     (|why| *why == LeftOut::OutOfRange, ["out of reach of the frequency range"; 2]),
     (|why| *why == LeftOut::TooMany, ["more than are followed unless backbone.modes lists them"; 2]),
     (|why| matches!(why, LeftOut::NotStarted(_)), ["its backbone does not start", "their backbones do not start"]),
@@ -54,7 +55,7 @@ pub fn not_started(choice: &ModesFollowed) -> impl Iterator<Item = (usize, &str)
 /// What was followed and what not, in a sentence, unless it is the primary mode alone as it should be; of a run that is not done
 /// yet as well.
 pub fn sentence(choice: &ModesFollowed, is_done: bool) -> Option<String> {
-    let is_known = |why: &LeftOut| matches!(why, LeftOut::RigidBody | LeftOut::NotStarted(_));
+    let is_known = |why: &LeftOut| matches!(why, LeftOut::RigidBody | LeftOut::Overdamped | LeftOut::NotStarted(_));
     if choice.followed.len() < 2 && !choice.left_out.iter().any(|(_, why)| is_known(why)) {
         return None;
     }
@@ -86,6 +87,12 @@ mod tests {
             sentence(&held, true).unwrap(),
             "Windows of mode 2 were looked for; not mode 1 (a rigid body but for laws, without a backbone)."
         );
+        let damped = ModesFollowed { followed: vec![0], left_out: vec![(1, LeftOut::Overdamped)] };
+        assert_eq!(
+            sentence(&damped, true).unwrap(),
+            "Windows of mode 1 were looked for; not mode 2 (overdamped: it does not oscillate)."
+        );
+        assert_eq!(not_started(&damped).count(), 0);
         let lost = ModesFollowed { followed: vec![1], left_out: vec![(0, LeftOut::NotStarted("singular".into()))] };
         assert_eq!(
             sentence(&lost, false).unwrap(),

@@ -50,7 +50,9 @@ impl Story {
         let what = merged.iter().find(|merge| merge.point.is_at(first.to)).and_then(|merge| merge.what.clone());
         let ends =
             what.filter(|what| !what.contains(BIRTH.verb)).unwrap_or_else(|| "they merge with each other".into());
-        let [one, other, to] = [first.from, second.from, first.to].map(place);
+        let latest = if first.from.forcing > second.from.forcing { first.from } else { second.from };
+        let to = end_of(latest, first.to, &place);
+        let [one, other] = [first.from, second.from].map(place);
         let text = format!("{} at A = {one} and A = {other} and last to A = {to}, where {ends}", BIRTH.several);
         Self { range: (first.from.forcing.min(second.from.forcing), first.to.forcing), text, more: LIVE }
     }
@@ -150,6 +152,15 @@ pub(super) fn nearest<T>(
     (without(sorted), without(left))
 }
 
+/// Where an isola ends; how far above its beginning, where digits do not tell them apart.
+fn end_of(from: &CurvePoint, to: &CurvePoint, place: impl Fn(&CurvePoint) -> String) -> String {
+    let told = place(to);
+    if forcing_digits(from, DIGITS) == forcing_digits(to, DIGITS) {
+        return format!("{told}, {} above", digits(to.forcing - from.forcing, 2));
+    }
+    told
+}
+
 /// An isola from its birth to its end.
 fn in_words(
     life: &Life<'_>,
@@ -161,11 +172,7 @@ fn in_words(
     // That isola is this one.
     let it =
         |merge: &Merge<'_>| merge.of_isola.as_ref().map(|does| format!("it {does}")).or_else(|| merge.what.clone());
-    let (from, mut to) = (place(life.from), place(life.to));
-    // Where digits do not tell them apart.
-    if forcing_digits(life.from, DIGITS) == forcing_digits(life.to, DIGITS) {
-        to = format!("{to}, {} above", digits(life.to.forcing - life.from.forcing, 2));
-    }
+    let (from, to) = (place(life.from), end_of(life.from, life.to, &place));
     let end = match (merge(life.to), counted(life.to)) {
         (None, _) => format!("it {}", DEATH.verb),
         (Some(merge), counted) => it(merge).unwrap_or_else(|| match counted {

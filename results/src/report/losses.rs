@@ -13,7 +13,7 @@ use solver::response::critical::CriticalKind;
 const NAMED: usize = 6;
 
 /// Relative distance from a located event within which one of unknown kind is the same.
-const UNLOCATED: f64 = 1e-5;
+const UNLOCATED: f64 = 1e-4;
 
 /// Something that is not known.
 pub(super) struct Loss {
@@ -21,11 +21,17 @@ pub(super) struct Loss {
     pub brief: String,
     /// In a sentence.
     pub sentence: String,
+    /// Whether what is found may be far from all there is: this is said before it.
+    pub is_grave: bool,
 }
 
 impl Loss {
     fn new(brief: impl Into<String>, sentence: impl Into<String>) -> Self {
-        Self { brief: brief.into(), sentence: sentence.into() }
+        Self { brief: brief.into(), sentence: sentence.into(), is_grave: false }
+    }
+
+    fn grave(brief: impl Into<String>, sentence: impl Into<String>) -> Self {
+        Self { is_grave: true, ..Self::new(brief, sentence) }
     }
 }
 
@@ -34,20 +40,20 @@ pub(super) fn losses(evidence: &Evidence<'_>) -> Vec<Loss> {
     let levels = evidence.levels;
     let mut list = Vec::new();
     match evidence.stage {
-        Some(Stage::Cancelled) => list.push(Loss::new("cancelled", "The run was cancelled.")),
+        Some(Stage::Cancelled) => list.push(Loss::grave("cancelled", "The run was cancelled.")),
         Some(Stage::Finished) => {}
-        _ => list.push(Loss::new("not finished", "The run is not finished.")),
+        _ => list.push(Loss::grave("not finished", "The run is not finished.")),
     }
     if evidence.backbone.is_none() {
-        list.push(Loss::new("no backbone", "The backbone is not known, nor what its energy balance predicts."));
+        list.push(Loss::grave("no backbone", "The backbone is not known, nor what its energy balance predicts."));
     }
     if let Some(of) = Of::levels(levels, |level| level.pending) {
         let brief = format!("{} unfinished", count(of.levels, "level"));
-        list.push(Loss::new(brief, format!("{} still to come, at {}.", count(of.sum, "task"), of.named)));
+        list.push(Loss::grave(brief, format!("{} still to come, at {}.", count(of.sum, "task"), of.named)));
     }
     if let Some(of) = Of::levels(levels, |level| level.dead) {
         let tasks = count(of.sum, "task");
-        list.push(Loss::new(format!("{tasks} given up"), format!("{tasks} given up, at {}.", of.named)));
+        list.push(Loss::grave(format!("{tasks} given up"), format!("{tasks} given up, at {}.", of.named)));
     }
     if let Some(of) = Of::levels(levels, |level| level.refuted + level.disputed) {
         let results = count(of.sum, "result");
@@ -59,18 +65,18 @@ pub(super) fn losses(evidence: &Evidence<'_>) -> Vec<Loss> {
         list.push(match level.main() {
             None => {
                 let sentence = format!("There is no main branch at A = {at}: {reason}.");
-                Loss::new(format!("no main branch at A = {at}"), sentence)
+                Loss::grave(format!("no main branch at A = {at}"), sentence)
             }
             Some(_) => {
                 let sentence = format!("At A = {at} no main branch starts at one of the two sides: {reason}.");
-                Loss::new(format!("one side without a start at A = {at}"), sentence)
+                Loss::grave(format!("one side without a start at A = {at}"), sentence)
             }
         });
     }
     for (amplitude, outcome) in evidence.mains.iter().filter(|(_, outcome)| outcome.is_unfinished()) {
         let main = format!("main branch at A = {amplitude}");
         let sentence = format!("The {main} is known only in part ({outcome}): larger responses may lie beyond.");
-        list.push(Loss::new(format!("{main} unfinished"), sentence));
+        list.push(Loss::grave(format!("{main} unfinished"), sentence));
     }
     let highest = levels.iter().map(|level| level.value).fold(f64::NEG_INFINITY, f64::max);
     for backbone in evidence.backbones() {
@@ -87,7 +93,7 @@ pub(super) fn losses(evidence: &Evidence<'_>) -> Vec<Loss> {
             let sentence = format!(
                 "The {what}backbone of mode {mode} stopped early ({status}): the energy balance beyond is not known."
             );
-            list.push(Loss::new(format!("{what}backbone{of} stopped early"), sentence));
+            list.push(Loss::grave(format!("{what}backbone{of} stopped early"), sentence));
         }
     }
     for (mode, reason) in evidence.modes.into_iter().flat_map(not_started) {
@@ -112,7 +118,7 @@ pub(super) fn losses(evidence: &Evidence<'_>) -> Vec<Loss> {
     let search = &evidence.search;
     if search.unfollowed > 0 {
         let brief = format!("{} not followed", count(search.unfollowed, "fold"));
-        let sentence = format!("{brief} over the forcing: what isolas they lead to is not known.");
+        let sentence = format!("{brief} over the forcing: what isolas {} is not known.", led_to(search.unfollowed));
         list.push(Loss::new(brief, sentence));
     }
     if search.lost > 0 {
@@ -133,7 +139,8 @@ pub(super) fn losses(evidence: &Evidence<'_>) -> Vec<Loss> {
     if search.left_out > 0 && evidence.stage == Some(Stage::Finished) {
         let folds = count(search.left_out, "fold");
         let sentence = format!(
-            "The search ended at its limit (search.effort), {folds} not followed: what isolas they lead to is not known."
+            "The search ended at its limit (search.effort), {folds} not followed: what isolas {} is not known.",
+            led_to(search.left_out)
         );
         list.push(Loss::new("search ended at its limit", sentence));
     }
@@ -208,4 +215,9 @@ pub(super) fn named(levels: &[&Level]) -> String {
     let more = levels.len().saturating_sub(NAMED);
     let more = if more > 0 { format!(" and {more} more") } else { String::new() };
     format!("A = {}{more}", list.join(", "))
+}
+
+/// Whose isolas: of so many folds.
+fn led_to(folds: usize) -> &'static str {
+    if folds == 1 { "it leads to" } else { "they lead to" }
 }

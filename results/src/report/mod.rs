@@ -4,6 +4,7 @@ mod account;
 mod evidence;
 mod fit;
 mod losses;
+mod missed;
 mod predictions;
 mod ranges;
 mod read;

@@ -5,7 +5,7 @@ use super::losses::named;
 use crate::curves::BackboneCurve;
 use crate::overview::{
     Level, Origin, beyond, born_between, events_of, forcing_label, is_within, later_birth, overlaps, parted_between,
-    told_threshold, truncation_doubt,
+    told_threshold, truncation_doubt, undecided,
 };
 use crate::store::CurvePoint;
 use crate::words::{self, count};
@@ -26,7 +26,7 @@ impl Evidence<'_> {
         let is_above = |birth: &&&CurvePoint| {
             (highest..=JUST_ABOVE * highest).contains(&birth.forcing) && is_within(self.bounds, birth.omega)
         };
-        let none = "No isola was found where it was looked for";
+        let none = format!("{} where it was looked for", self.none());
         let at = |birth: &CurvePoint| {
             let forcing = forcing_label(birth, 5);
             format!("at A = {forcing} ({}{})", self.in_both_units(birth.omega), truncation_doubt(&[birth]))
@@ -47,7 +47,7 @@ impl Evidence<'_> {
                         let (from, to) = (forcing_label(life.from, 5), forcing_label(life.to, 5));
                         format!("{none}, but along fold curves one is there between levels, from A = {from} to {to}.")
                     }
-                    None => format!("{none}."),
+                    None => format!("{none}{}.", undecided(self.levels)),
                 },
             },
         }
@@ -92,13 +92,18 @@ impl Evidence<'_> {
                 format!(
                     "; the energy balance of {mode} predicts separate responses from A = {from} to {to} alone, where the run has no level"
                 )
+            } else if self.backbones().filter_map(|backbone| backbone.unforced).any(|motion| motion.is_fed_at_rest) {
+                // They are there at any forcing.
+                String::new()
             } else if self.with_isolas().next().is_some() {
                 format!("; the energy balance of {mode} has no birth of theirs{}", self.found_otherwise())
             } else if self.levels.iter().any(|level| level.not_found().chain(level.passed()).next().is_some()) {
                 // What it predicts and was not found is among the details.
                 String::new()
             } else {
-                format!("; the energy balance of {mode} predicts no separate response at the levels of the run")
+                format!(
+                    "; the energy balance of {mode} predicts no separate response at the levels and frequencies of the run"
+                )
             };
         };
         let mode = words::modes(&[backbone.mode]);
@@ -110,7 +115,9 @@ impl Evidence<'_> {
                  nonlinear forces feed in as much energy as the damping takes"
             );
         }
-        let threshold = told(birth.threshold);
+        let (threshold, to) = (told(birth.threshold), barrier(&(backbone, birth)));
+        let highest = self.levels.iter().map(|level| level.value).fold(0.0, f64::max);
+        let to = if to < highest { format!("to {}", told(to)) } else { "on".into() };
         // Windows that are born and merge between levels, or below them, are seen at none.
         let earlier = others.into_iter().filter(|other| other.1.threshold < birth.threshold.min(barrier(other)));
         let earliest = earlier.min_by(|(_, a), (_, b)| a.threshold.total_cmp(&b.threshold));
@@ -119,7 +126,7 @@ impl Evidence<'_> {
             format!(" and already from A = {from} to {to}, where the run has no level")
         });
         format!(
-            "; the energy balance of {mode} predicts separate responses from A = {threshold} on, near {near}{earlier}"
+            "; the energy balance of {mode} predicts separate responses from A = {threshold} {to}, near {near}{earlier}"
         )
     }
 

@@ -162,7 +162,7 @@ fn at_every_stage() {
     assert_eq!(report.verdict[0].text, "No branch has been computed yet.");
     let lost =
         "Not all is known. The run is not finished. The backbone is not known, nor what its energy balance predicts.";
-    assert_eq!(report.verdict[0].lost.as_deref(), Some(lost));
+    assert_eq!(report.verdict[0].lead.as_deref(), Some(lost));
 
     let (mut store, mut sweep) = study.begin(&dir.path().join("run"));
     assert!(sweep.step(&mut store));
@@ -170,9 +170,9 @@ fn at_every_stage() {
     assert_eq!((report.run.stage, report.branches.len()), (Some(Stage::Sweep), 1));
     assert!(report.run.missing[0].contains("still to be done, at A = 3e-3, 0.006"), "{:?}", report.run.missing);
     let text = &report.verdict[2].text;
-    assert!(text.starts_with("No isola was found where it was looked for"), "{text}");
+    assert!(text.starts_with("No isola has been found so far where it was looked for"), "{text}");
     let lost = "Not all is known (not finished; 2 levels unfinished).";
-    assert_eq!(report.verdict[2].lost.as_deref(), Some(lost));
+    assert_eq!(report.verdict[2].lead.as_deref(), Some(lost));
     let reach = report.verdict[0].reach.as_deref().unwrap();
     assert!(reach.starts_with("Looked at: 0.88184 rad/s"), "{reach}");
     assert!(reach.contains("others may lie there. Looked for: the windows of mode 1"), "{reach}");
@@ -189,7 +189,7 @@ fn of_a_damaged_run_what_is_left() {
     assert!(report.run.missing[0].starts_with("The branch of task 0.006-"), "{}", report.run.missing[0]);
     // What the store's tables say of it is still there.
     assert!(report.verdict[2].text.starts_with("Yes. At A = 0.006 "), "{}", report.verdict[2].text);
-    assert!(report.verdict[2].lost.is_some());
+    assert!(report.verdict[2].lead.is_some());
 
     // Numbers that do not agree with each other are not shown.
     let report = damaged(&dir.path().join("c"), "UPDATE branches SET amplitude_max = 99 WHERE kind = 'isola'");

@@ -1,6 +1,6 @@
 //! Three answers that the store supports: where it is dangerous, from which forcing on, and what ordinary continuation
-//! would have missed. Each says first what was found, then what is lost, in the first answer one by one; what was and what was not looked
-//! for stands once, there.
+//! would have missed. A run that is not done, stalled or has not converged says so before each, then what was found, then what else is lost;
+//! in the first answer one by one; what was and what was not looked for stands once, there.
 
 #[cfg(test)]
 mod tests;
@@ -10,11 +10,12 @@ use super::losses::{losses, named, unknown_beyond};
 use super::ranges::{in_words, joined, over, runs};
 use crate::curves::Touch;
 use crate::overview::{
-    BranchRow, Level, UNTOUCHED, Unforced, around_largest, beyond, events_sentence, highest, is_untouched, modes,
-    not_followed_sentence, passed_over_sentence, reach_sentence, sampled, shift_sentence, truncation, turned_sliding,
+    BranchRow, Doubts, Level, UNTOUCHED, Unforced, around_largest, asks_for_harmonics, beyond, events_sentence,
+    highest, is_untouched, modes, not_followed_sentence, passed_over_sentence, reach_sentence, sampled, shift_sentence,
+    truncation, turned_sliding,
 };
 use crate::summary_table::{motions, stability};
-use crate::words::{self, count, digits};
+use crate::words::{self, count};
 use protocol::to_everyone::Stage;
 use serde::Serialize;
 use solver::response::branch::BranchKind;
@@ -27,6 +28,8 @@ const ABOUT: f64 = 1.25;
 pub struct Sentence {
     /// The question it answers.
     pub title: &'static str,
+    /// What is said before the answer: that what was found may be far from all there is, or far from what more harmonics give.
+    pub lead: Option<String>,
     /// The answer.
     pub text: String,
     /// That not all is known, and what is not.
@@ -40,7 +43,7 @@ pub struct Sentence {
 impl Sentence {
     /// All of the answer.
     pub fn whole(&self) -> String {
-        let all = std::iter::once(&self.text).chain(&self.lost).chain(&self.details).chain(&self.reach);
+        let all = self.lead.iter().chain([&self.text]).chain(&self.lost).chain(&self.details).chain(&self.reach);
         all.map(String::as_str).collect::<Vec<_>>().join(" ")
     }
 }
@@ -48,16 +51,28 @@ impl Sentence {
 /// The three answers.
 pub fn verdict(evidence: &Evidence<'_>) -> [Sentence; 3] {
     let losses = losses(evidence);
-    let briefly: Vec<&str> = losses.iter().map(|loss| loss.brief.as_str()).collect();
+    let is_grave = losses.iter().any(|loss| loss.is_grave);
+    let mut briefly: Vec<&str> = losses.iter().map(|loss| loss.brief.as_str()).collect();
+    briefly.dedup();
     let sentences: Vec<String> = losses.iter().map(|loss| words::capitalised(&loss.sentence)).collect();
-    let whole = format!("Not all is known. {}", sentences.join(" "));
-    let brief = format!("Not all is known ({}).", briefly.join("; "));
-    let lost = |text: &str| (!losses.is_empty()).then(|| text.to_string());
+    let is_any = !losses.is_empty();
+    let whole = is_any.then(|| format!("Not all is known. {}", sentences.join(" ")));
+    let brief = is_any.then(|| format!("Not all is known ({}).", briefly.join("; ")));
+    let (first, others) = match evidence.not_converged() {
+        Some(sentence) => (Some(sentence), Some(NOT_CONVERGED.to_string())),
+        None => (None, None),
+    };
+    let lead = |lost: &Option<String>, truncated: Option<String>| {
+        let all: Vec<String> = lost.iter().filter(|_| is_grave).cloned().chain(truncated).collect();
+        (!all.is_empty()).then(|| all.join(" "))
+    };
+    let lost = |lost: &Option<String>| lost.clone().filter(|_| !is_grave);
     let is_known = evidence.largest().is_some() || evidence.has_nothing();
     let further = |details: Vec<String>| if is_known { details } else { Vec::new() };
     [
         Sentence {
             title: "Where is it dangerous?",
+            lead: lead(&whole, first),
             text: evidence.danger(),
             lost: lost(&whole),
             details: further(evidence.details()),
@@ -65,6 +80,7 @@ pub fn verdict(evidence: &Evidence<'_>) -> [Sentence; 3] {
         },
         Sentence {
             title: "From which forcing on?",
+            lead: lead(&brief, others.clone()),
             text: evidence.onset(),
             lost: lost(&brief),
             details: further(evidence.over_the_forcing()),
@@ -72,6 +88,7 @@ pub fn verdict(evidence: &Evidence<'_>) -> [Sentence; 3] {
         },
         Sentence {
             title: "Would ordinary continuation have missed it?",
+            lead: lead(&brief, others),
             text: evidence.missed(),
             lost: lost(&brief),
             details: further(evidence.beside_ordinary_continuation()),
@@ -80,22 +97,9 @@ pub fn verdict(evidence: &Evidence<'_>) -> [Sentence; 3] {
     ]
 }
 
-/// A level with its highest isola and its main branch.
-struct Gain<'r> {
-    level: &'r Level,
-    isola: &'r BranchRow,
-    main: &'r BranchRow,
-}
-
-impl Gain<'_> {
-    fn ratio(&self) -> f64 {
-        self.isola.amplitude_max / self.main.amplitude_max
-    }
-}
-
 impl<'r> Evidence<'r> {
     /// `2 mm`, or `at least 2 mm`.
-    fn size(&self, row: &BranchRow) -> String {
+    pub(super) fn size(&self, row: &BranchRow) -> String {
         let [before, behind] = around_largest(row);
         format!("{before}{}{behind}", self.length(row.amplitude_max))
     }
@@ -110,17 +114,22 @@ impl<'r> Evidence<'r> {
         self.levels.iter().filter(|level| level.highest_isola().is_some())
     }
 
-    fn is_empty(&self) -> bool {
+    pub(super) fn is_empty(&self) -> bool {
         self.levels.iter().all(|level| level.peak().is_none())
     }
 
     /// Whether nothing is left to be done.
-    fn is_over(&self) -> bool {
+    pub(super) fn is_over(&self) -> bool {
         self.stage == Some(Stage::Finished) && self.levels.iter().all(|level| level.pending == 0)
     }
 
+    /// How it is said that there is no isola.
+    pub(super) fn none(&self) -> &'static str {
+        if self.is_over() { "No isola was found" } else { "No isola has been found so far" }
+    }
+
     /// Whether the main branches of a level are known to their ends.
-    fn has_whole_main(&self, level: &Level) -> bool {
+    pub(super) fn has_whole_main(&self, level: &Level) -> bool {
         let ends = || self.mains.iter().filter(|(amplitude, _)| *amplitude == level.amplitude);
         level.is_complete()
             && level.mains().all(|main| main.at_least().is_empty())
@@ -160,13 +169,15 @@ impl<'r> Evidence<'r> {
         match highest(self.with_isolas().flat_map(Level::isolas)) {
             Some(highest) => {
                 let ranges = joined(self.with_isolas().flat_map(Level::isolas).map(|isola| isola.omega));
+                let doubt = Doubts::about(self.with_isolas().flat_map(Level::isolas)).sentence();
                 parts.push(format!(
                     "Between {}{}: there an isola, a closed branch apart from the main one, is another periodic response at \
-                     the same forcing, with up to {}{}.",
+                     the same forcing, with up to {}{}.{}",
                     in_words(&ranges, self.units.frequency),
                     over(&self.with_isolas().collect::<Vec<_>>()),
                     at_monitor(highest),
-                    self.stable_part(highest)
+                    self.stable_part(highest),
+                    doubt.map(|doubt| format!(" {doubt}")).unwrap_or_default()
                 ));
                 // Where the main branch goes up farther than the highest isola beside it, that is the greater danger.
                 let level = self.with_isolas().find(|level| level.isolas().any(|isola| std::ptr::eq(isola, highest)));
@@ -183,7 +194,7 @@ impl<'r> Evidence<'r> {
     }
 
     /// Whether of a further order, which may well have no motion at all, none was found though nothing is left to be done.
-    fn has_nothing(&self) -> bool {
+    pub(super) fn has_nothing(&self) -> bool {
         self.is_further && self.is_over() && self.is_empty() && self.levels.iter().all(Level::is_complete)
     }
 
@@ -222,10 +233,19 @@ impl<'r> Evidence<'r> {
         list.extend(self.not_found());
         list.extend(unknown_beyond(self));
         list.extend(turned_sliding(self.levels));
-        list.extend(truncation(self.levels, self.harmonics, self.least_added, self.structure.of_several(), |omega| {
-            self.frequency(omega)
-        }));
+        list.extend(self.truncation().filter(|sentence| !asks_for_harmonics(sentence)));
         list
+    }
+
+    /// Whether enough harmonics were kept.
+    fn truncation(&self) -> Option<String> {
+        let frequency = |omega| self.frequency(omega);
+        truncation(self.levels, self.harmonics, self.least_added, self.structure.of_several(), frequency)
+    }
+
+    /// That they were not.
+    fn not_converged(&self) -> Option<String> {
+        self.truncation().filter(|sentence| asks_for_harmonics(sentence))
     }
 
     /// How the frequency of the largest response goes, and what the energy balance predicts between the levels.
@@ -325,66 +345,10 @@ impl<'r> Evidence<'r> {
         let all: Vec<String> = frequencies.into_iter().chain(modes).chain([self.looked_for().sentence()]).collect();
         all.join(" ")
     }
-
-    fn missed(&self) -> String {
-        if self.has_nothing() {
-            return format!("{NOTHING} (see the first answer).");
-        }
-        if self.is_empty() {
-            return if self.is_over() {
-                "Not known: no branch was found.".into()
-            } else {
-                "Nothing is known yet.".into()
-            };
-        }
-        if self.with_isolas().next().is_none() {
-            return "No isola was found where it was looked for (see the first answer).".into();
-        }
-        if self.is_further {
-            return "All of it: ordinary continuation follows motions of a shorter period.".into();
-        }
-        let gains = self.with_isolas().filter_map(|level| {
-            let main = level.main().filter(|main| main.amplitude_max > 0.0)?;
-            Some(Gain { level, isola: level.highest_isola()?, main })
-        });
-        let of_whole = gains.clone().filter(|gain| self.has_whole_main(gain.level));
-        let largest = |a: &Gain<'_>, b: &Gain<'_>| a.ratio().total_cmp(&b.ratio());
-        let Some(gain) = of_whole.max_by(largest) else {
-            return match gains.max_by(largest) {
-                None => "Ordinary continuation has no main branch to compare the isolas with: see the account.".into(),
-                Some(Gain { level, isola, main }) => format!(
-                    "The isolas, yes; by how much is not known: at A = {} the main branch goes up to at least {}, an isola \
-                     up to {} at {}.",
-                    level.amplitude,
-                    self.length(main.amplitude_max),
-                    self.size(isola),
-                    self.frequency(isola.omega_at_max)
-                ),
-            };
-        };
-        let Gain { level, isola, main } = &gain;
-        let (stops, goes) = (
-            format!("{} at {}", self.size(main), self.frequency(main.omega_at_max)),
-            format!("{} at {}{}", self.size(isola), self.frequency(isola.omega_at_max), self.stable_part(isola)),
-        );
-        let amplitude = &level.amplitude;
-        match gain.ratio() {
-            ratio if ratio >= 2.0 => format!(
-                "Yes. At A = {amplitude} it goes up to {stops}, an isola up to {goes}, {} times as much.",
-                digits(ratio, 2)
-            ),
-            ratio if ratio >= 1.0 => format!(
-                "Yes. At A = {amplitude} it goes up to {stops}, an isola up to {goes}, {:.0} % more.",
-                (ratio - 1.0) * 100.0
-            ),
-            ratio => format!(
-                "Yes, the isolas, but not the largest response: at A = {amplitude} the main branch goes up to {stops}, an isola \
-                 up to {goes}, {:.0} % less.",
-                (1.0 - ratio) * 100.0
-            ),
-        }
-    }
 }
 
+/// What stands before the other answers where the first begins with the truncation.
+const NOT_CONVERGED: &str = "Not converged in H (see the first answer).";
+
 /// What is said of an order of motions of which nothing was found.
-const NOTHING: &str = "No such motion was found where it was looked for";
+pub(super) const NOTHING: &str = "No such motion was found where it was looked for";

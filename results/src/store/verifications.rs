@@ -54,7 +54,7 @@ pub struct Stability {
     /// Whether a multiplier of some of its points has modulus 1 as far as can be told: next to folds, or all along where nothing holds
     /// the structure.
     pub is_marginal_in_parts: bool,
-    /// Number of points that were looked at, if these were not all points of a branch verified as a whole: two changes between neighbours among
+    /// Number of points that were looked at, if these were not all points between the first and the last of them, or of the branch: two changes between neighbours among
     /// them that undo each other are not seen.
     pub sampled: Option<usize>,
     /// What is near its point of largest amplitude, if that was looked at.
@@ -182,9 +182,12 @@ impl Reader {
             return Ok(HashMap::new());
         }
         let sql = "SELECT branch, stretch = 'whole', verifications.stable, unstable, point.verdict, point.omega, point.amplitude, \
-                   (SELECT count(*) FROM verified_points AS each WHERE each.task = verifications.task), points, \
+                   (SELECT count(*) FROM verified_points AS each WHERE each.task = verifications.task), \
+                   CASE stretch WHEN 'whole' THEN points \
+                   ELSE (SELECT max(each.i) - min(each.i) + 1 FROM verified_points AS each WHERE each.task = verifications.task) END, \
                    EXISTS (SELECT 1 FROM verified_points AS each WHERE each.task = verifications.task AND each.verdict = 'marginal'), \
-                   (SELECT points.amplitude FROM points WHERE points.branch = branches.id AND points.i = point.at) \
+                   (SELECT points.amplitude FROM points WHERE points.branch = branches.id AND points.i = point.at), \
+                   branches.omega_at_max, branches.amplitude_max \
                    FROM verifications JOIN branches ON branches.id = branch \
                    LEFT JOIN verified_points AS point ON point.task = verifications.task AND point.i = peak \
                    WHERE level = ?1 ORDER BY stretch = 'whole'";
@@ -194,18 +197,23 @@ impl Reader {
             let own: Option<f64> = row.get(10)?;
             let orbit = at.zip(own).map(|(at, own)| Marched { at, own });
             let (is_whole, stable, unstable) = (row.get(1)?, row.get(2)?, row.get(3)?);
-            let (marched, points): (usize, usize) = (row.get(7)?, row.get(8)?);
-            let sampled = (is_whole && marched < points).then_some(marched);
+            let (marched, points): (usize, Option<usize>) = (row.get(7)?, row.get(8)?);
+            let sampled = points.is_some_and(|points| marched < points).then_some(marched);
             let is_marginal_in_parts = row.get(9)?;
             let stability =
                 Stability { is_whole, stable, unstable, is_marginal_in_parts, sampled, peak, largest: None };
-            Ok((row.get(0)?, stability, orbit))
+            let highest = row.get::<_, Option<f64>>(11)?.zip(row.get(12)?);
+            Ok((row.get(0)?, stability, orbit, highest))
         };
         let mut found: HashMap<i64, Stability> = HashMap::new();
-        for (branch, mut stability, orbit) in self.all(sql, [level], row)? {
+        let mut peaks: HashMap<i64, (f64, f64)> = HashMap::new();
+        for (branch, mut stability, orbit, highest) in self.all(sql, [level], row)? {
             if orbit.is_some_and(|orbit| self.is_strayed(level, orbit).unwrap_or_default()) {
                 stability.peak = Some(PeakOrbit { verdict: verdict_name(Verdict::NoOrbitNearby).into(), at: None });
             }
+            // The orbit near it may be told of at another point.
+            let is_stable = stability.peak.as_ref().is_some_and(|peak| peak.verdict == "stable");
+            peaks.extend(highest.filter(|_| is_stable).map(|highest| (branch, highest)));
             found.insert(branch, stability);
         }
         let sql = "SELECT branch, points.omega, max(points.amplitude) FROM points JOIN branches ON branches.id = branch \
@@ -216,6 +224,9 @@ impl Reader {
             if let Some(stability) = found.get_mut(&branch) {
                 stability.largest = Some(largest);
             }
+        }
+        for (branch, highest) in peaks {
+            found.entry(branch).and_modify(|stability| stability.largest = Some(highest));
         }
         Ok(found)
     }

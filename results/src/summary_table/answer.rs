@@ -4,9 +4,8 @@ use super::known::Known;
 use super::units::Units;
 use super::{search, stability};
 use crate::overview::{
-    BranchRow, Level, around_largest, asks_for_harmonics, highest, in_words, is_unconfirmed, is_unmatched,
-    largest_stable_sentence, near_largest, passed_over_sentence, truncation_of, turned_sliding, unfinished,
-    unstable_peak_sentence,
+    Doubts, Level, around_largest, asks_for_harmonics, highest, in_words, largest_stable_sentence, near_largest,
+    passed_over_sentence, truncation_of, turned_sliding, unfinished, unstable_peak_sentence,
 };
 use crate::words::{capitalised, listed};
 use solver::response::branch::BranchKind;
@@ -54,20 +53,7 @@ fn isolas(levels: &[Level]) -> Option<String> {
         many => format!("{} to {}", many[0].amplitude, many[many.len() - 1].amplitude),
     };
     let branches = || with.iter().flat_map(|level| level.isolas());
-    let count = |is_doubtful: fn(&BranchRow) -> bool| branches().filter(|row| is_doubtful(row)).count();
-    let (all, unmatched, unconfirmed) = (branches().count(), count(is_unmatched), count(is_unconfirmed));
-    let doubt = match unconfirmed {
-        0 if unmatched == 0 => "",
-        0 if unmatched < all => ", some of which twice the harmonics do not confirm (see the table)",
-        0 if all == 1 => ", which twice the harmonics do not confirm",
-        0 => ", none of which twice the harmonics confirm",
-        some if unmatched > some => {
-            ", some of which may be artefacts of too few harmonics and others are not confirmed by twice as many (see the table)"
-        }
-        some if some < all => ", some of which may be artefacts of too few harmonics (see the table)",
-        _ if all == 1 => ", which may be an artefact of too few harmonics",
-        _ => ", all of which may be artefacts of too few harmonics",
-    };
+    let (all, doubt) = (branches().count(), Doubts::about(branches()).clause(" (see the table)"));
     let found = if all == 1 { "An isola was found" } else { "Isolas were found" };
     let so_far = if levels.iter().all(Level::is_complete) { "" } else { " so far" };
     let share = match levels.len() {
@@ -127,6 +113,7 @@ fn largest(levels: &[Level], units: Units) -> Option<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::overview::BranchRow;
     use crate::store::{PeakOrbit, Stability};
     use solver::response::certificate::{Certificate, Change, Standing};
 

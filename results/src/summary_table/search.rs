@@ -4,7 +4,7 @@ use super::known::Known;
 use super::units::{FrequencyUnit, Units};
 use crate::overview::{
     BranchRow, Excitation, Level, LookedFor, Predicted, Unforced, between_levels, born_above, born_below, born_between,
-    has_joints, level_between, levels_after, parted_between, told_threshold, truncation_doubt, why_no_folds,
+    has_joints, level_between, levels_after, parted_between, told_threshold, truncation_doubt, undecided, why_no_folds,
 };
 use crate::store::{CurvePoint, CurveRow};
 use crate::words::{digits, listed, more_ranges};
@@ -74,13 +74,7 @@ pub(super) fn no_isola(known: &Known, unit: FrequencyUnit) -> Option<String> {
         Effort::None => " in windows of the energy balance, where alone they were looked for (search.effort)",
         _ => "",
     };
-    let is_undecided =
-        |row: &BranchRow| [BranchKind::Cut, BranchKind::Unfinished].iter().any(|kind| row.kind == kind.name());
-    let unknown = match levels.iter().flat_map(Level::others).any(is_undecided) {
-        true => "; what is cut or unfinished may be one",
-        false => "",
-    };
-    Some(format!("No isola was found{only}{elsewhere}{unknown}."))
+    Some(format!("No isola was found{only}{elsewhere}{}.", undecided(levels)))
 }
 
 /// How motions of further periods, for which nobody looked, are looked for, and which are the next.

@@ -281,19 +281,26 @@ impl<'m> Critical<'m> {
     fn assemble(&mut self, walked: TracedCurve<BranchPoint>, mut corners: Corners) -> CriticalCurve {
         let (outcome, rejections) = (walked.outcome, walked.rejections);
         let settings = self.settings.continuation;
-        let (visited, mut events) = match walked.visited.first().map(|first| first.curve.clone()) {
-            Some(first) => match Continuation::start(&mut self.problem, first.y.clone(), &first.tangent, settings) {
-                Ok(mut continuation) => {
-                    let is_closed = outcome == Outcome::Closed;
-                    let visited = with_corners(&mut continuation, walked.visited, is_closed, &mut corners);
-                    match self.quantity {
-                        Some(_) => with_events(&mut continuation, visited, is_closed, &corners),
-                        None => (visited, Vec::new()),
-                    }
+        // An end may be a branch point, where none starts, or has a symmetry that is not the curve's.
+        let from_the_middle = |i: &usize| i.abs_diff(walked.visited.len() / 2);
+        let mut places: Vec<usize> = (0..walked.visited.len()).collect();
+        places.sort_by_key(from_the_middle);
+        let start = places
+            .into_iter()
+            .map(|i| walked.visited[i].curve.clone())
+            .find(|at| Continuation::start(&mut self.problem, at.y.clone(), &at.tangent, settings).is_ok());
+        let continuation =
+            start.and_then(|at| Continuation::start(&mut self.problem, at.y, &at.tangent, settings).ok());
+        let (visited, mut events) = match continuation {
+            Some(mut continuation) => {
+                let is_closed = outcome == Outcome::Closed;
+                let visited = with_corners(&mut continuation, walked.visited, is_closed, &mut corners);
+                match self.quantity {
+                    Some(_) => with_events(&mut continuation, visited, is_closed, &corners),
+                    None => (visited, Vec::new()),
                 }
-                Err(_) => (walked.visited, Vec::new()),
-            },
-            None => (Vec::new(), Vec::new()),
+            }
+            None => (walked.visited, Vec::new()),
         };
         let mut points: Vec<BranchPoint> = visited.into_iter().map(|v| v.point).collect();
         self.end_at_bounds(&mut points, &outcome);

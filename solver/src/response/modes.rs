@@ -3,7 +3,7 @@
 use crate::response::backbone::{Backbone, BackboneError};
 use crate::response::branch::{BranchPoint, Observer};
 use crate::response::in_reach::{FAR, is_in_reach};
-use crate::settings::{ModeChoice, Settings};
+use crate::settings::{BackboneEquation, ModeChoice, Settings};
 use crate::structure::Model;
 use serde::{Deserialize, Serialize};
 use std::ops::ControlFlow;
@@ -21,6 +21,8 @@ pub enum LeftOut {
     NotListed,
     /// It does not deform the structure.
     RigidBody,
+    /// Damping keeps its free motion from oscillating: it has no resonance where a backbone could begin.
+    Overdamped,
     /// Its resonance is out of reach of the frequency range.
     OutOfRange,
     /// Modes enough are followed.
@@ -34,6 +36,7 @@ impl std::fmt::Display for LeftOut {
         match self {
             Self::NotListed => f.write_str("not in the list of modes"),
             Self::RigidBody => f.write_str("rigid body"),
+            Self::Overdamped => f.write_str("it does not oscillate"),
             Self::OutOfRange => f.write_str("its resonance is out of reach of the frequency range"),
             Self::TooMany => write!(f, "{MOST} modes are followed already"),
             Self::NotStarted(why) => write!(f, "its backbone does not start: {why}"),
@@ -64,10 +67,12 @@ impl ModesFollowed {
             left_out.extend(others.map(|mode| (mode, LeftOut::NotListed)));
             return Self { followed, left_out };
         }
+        let is_free = settings.backbone.equation == BackboneEquation::DampedMode;
         for mode in (0..model.size()).filter(|&mode| mode != primary) {
             match () {
                 () if model.modes().is_rigid(mode) => left_out.push((mode, LeftOut::RigidBody)),
                 () if !is_in_reach(model, settings, mode) => left_out.push((mode, LeftOut::OutOfRange)),
+                () if is_free && model.damped_modes()[mode].is_none() => left_out.push((mode, LeftOut::Overdamped)),
                 () => followed.push(mode),
             }
         }
@@ -236,6 +241,21 @@ mod tests {
         let (followed, left_out) = chosen(&masses(&omegas, &forces).build().unwrap(), |_| {});
         assert_eq!(followed, [1, 0, 3, 4, 5, 6, 7, 8]);
         assert_eq!(left_out, [(2, LeftOut::TooMany), (9, LeftOut::TooMany)]);
+    }
+
+    #[test]
+    fn a_mode_that_does_not_oscillate_is_left_out() {
+        let model = masses(&[1.0, 1.5, 2.0], &[1.0; 3])
+            .damping_matrix(crate::linalg::Matrix::diagonal(&[0.02, 3.6, 0.04]))
+            .build()
+            .unwrap();
+        assert_eq!(chosen(&model, |_| {}), (vec![0, 2], vec![(1, LeftOut::Overdamped)]));
+        // A resonance of phases is there at any damping.
+        let of_phase = |s: &mut Settings| s.backbone.equation = BackboneEquation::PhaseResonance;
+        assert_eq!(chosen(&model, of_phase).0, [0, 1, 2]);
+        // What is asked for is tried, and the reason told.
+        let listed = |s: &mut Settings| s.backbone.modes = ModeChoice::These(NumberList::new(&[1, 2]).unwrap());
+        assert_eq!(chosen(&model, listed), (vec![0, 1], vec![(2, LeftOut::NotListed)]));
     }
 
     #[test]

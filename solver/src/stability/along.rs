@@ -22,13 +22,15 @@ pub struct AlongSettings {
     pub stretch: Stretch,
     /// Points that the first pass spreads over the branch, special points besides.
     pub points: usize,
+    /// Points that the first pass spreads over either side of a peak, where only what is around that is looked at.
+    pub beside_peak: usize,
     /// Most points that are polished, those of the first pass included.
     pub most: usize,
 }
 
 impl Default for AlongSettings {
     fn default() -> Self {
-        Self { polish: PolishSettings::default(), stretch: Stretch::Whole, points: 24, most: 200 }
+        Self { polish: PolishSettings::default(), stretch: Stretch::Whole, points: 24, beside_peak: 1, most: 200 }
     }
 }
 
@@ -38,9 +40,6 @@ impl AlongSettings {
         count.div_ceil(self.points.max(2) - 1)
     }
 }
-
-/// Points of a first pass on either side of a peak.
-const BESIDE_PEAK: usize = 1;
 
 /// A polished point of a branch.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -161,11 +160,12 @@ impl Pass<'_> {
         first
     }
 
-    /// The peak and points on either side of it.
+    /// The peak and points on either side of it, as far as the first pass along the whole branch has its next one.
     fn around_peak(&self) -> Vec<usize> {
         let (peak, last) = (self.branch.peak_index(), self.branch.points.len() - 1);
         let spacing = self.settings.spacing(last + 1);
-        let sides = (1..=BESIDE_PEAK).map(|k| k * spacing);
+        let beside = self.settings.beside_peak.clamp(1, spacing);
+        let sides = (1..=beside).map(|k| k * spacing / beside);
         let before = sides.clone().rev().map(|by| peak.saturating_sub(by));
         before.chain([peak]).chain(sides.map(|by| (peak + by).min(last))).collect()
     }

@@ -135,14 +135,16 @@ pub fn verify_with_orbits(
 /// How finely a branch is looked at: all of its points where periods are cheap, and a few of a large model's.
 fn pass_settings(model: &Model, branch: &Branch, stretch: Stretch) -> AlongSettings {
     let settings = AlongSettings { stretch, points: POINTS, most: 0, ..AlongSettings::default() };
-    if stretch == Stretch::Peak {
-        return settings;
-    }
     let work = branch.points.iter().map(|point| &point.state).min_by(|a, b| a.omega.total_cmp(&b.omega));
     let work = work.and_then(|slowest| Shooting::new(model, &settings.polish.marching, slowest).ok());
     let affordable = work.map_or(0, |shooting| (WORK / shooting.work()) as usize);
-    let points = affordable.clamp(POINTS, branch.points.len().max(POINTS));
-    AlongSettings { points, most: points + MORE, ..settings }
+    match stretch {
+        Stretch::Peak => AlongSettings { beside_peak: affordable / 2 / POINTS, ..settings },
+        Stretch::Whole => {
+            let points = affordable.clamp(POINTS, branch.points.len().max(POINTS));
+            AlongSettings { points, most: points + MORE, ..settings }
+        }
+    }
 }
 
 impl Verification {

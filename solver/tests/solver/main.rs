@@ -14,6 +14,7 @@ mod crossing_backbones;
 mod default_range;
 mod examples;
 mod far_backbones;
+mod fold_ends;
 mod folds;
 mod free_structures;
 mod isolas;

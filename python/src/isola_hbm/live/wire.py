@@ -15,7 +15,7 @@ Floats = NDArray[np.float64]
 Complexes = NDArray[np.complex128]
 
 #: Version of the messages, the ``v9`` of keys and encodings.
-VERSION = 12
+VERSION = 13
 #: First chunk of every key unless told otherwise.
 NAMESPACE = "isola"
 #: Encoding of a refusal in words.

@@ -31,6 +31,7 @@ _UNFOLLOWED = {
 _LEFT_OUT = {
     "not_listed": "not in the list of modes",
     "rigid_body": "rigid body",
+    "overdamped": "it does not oscillate",
     "out_of_range": "its resonance is out of reach of the frequency range",
     "too_many": "8 modes are followed already",
 }

@@ -13,7 +13,7 @@ fn none_was_found_where_it_was_looked_for() {
     assert!(danger.ends_with(&format!("Looked for: {searched}; {NOT_SEARCHED}")), "{danger}");
     // What it was looked for with is said once.
     assert_eq!(missed, "No isola was found where it was looked for (see the first answer).");
-    let balance = "the energy balance of mode 1 predicts no separate response at the levels of the run";
+    let balance = "the energy balance of mode 1 predicts no separate response at the levels and frequencies of the run";
     let same = "From one level to the next the frequency of the largest computed response changes by less than 0.1 %.";
     assert_eq!(onset, format!("None was found where it was looked for (see the first answer); {balance}. {same}"));
     // One mode has no others; a forcing on the third harmonic is a search for one subharmonic.
