@@ -4,6 +4,7 @@ use super::evidence::Evidence;
 use super::verdict::NOTHING;
 use crate::overview::{BranchRow, Level, around_largest, highest, is_unmatched};
 use crate::words::digits;
+use solver::response::branch::BranchKind;
 
 /// A level with its highest isola and its main branch.
 struct Gain<'r> {
@@ -67,7 +68,7 @@ impl Evidence<'_> {
         );
         let amplitude = &level.amplitude;
         let yes = if is_any_confirmed { "Yes" } else { "Perhaps, if it is no artefact of too few harmonics" };
-        match gain.ratio() {
+        let answer = match gain.ratio() {
             ratio if ratio >= 2.0 => format!(
                 "{yes}. At A = {amplitude} it goes up to {stops}, an isola up to {goes}, {} times as much.",
                 digits(ratio, 2)
@@ -81,6 +82,18 @@ impl Evidence<'_> {
                  up to {goes}, {:.0} % less.",
                 (1.0 - ratio) * 100.0
             ),
-        }
+        };
+        let branched = level.others().filter(|row| row.kind == BranchKind::Branched.name());
+        let higher = isola.amplitude_max.max(main.amplitude_max);
+        let larger = highest(branched).filter(|row| row.amplitude_max > higher).map_or_else(String::new, |row| {
+            format!(
+                " Larger still is {} there, up to {} at {}, which branches off another response: continuation that does not switch \
+                 branches misses it.",
+                row.name(),
+                self.size(row),
+                self.frequency(row.omega_at_max)
+            )
+        });
+        answer + &larger
     }
 }

@@ -73,7 +73,10 @@ pub(crate) fn kind(row: &MotionRow, is_further: bool) -> String {
             format!("a periodic motion that {UNFOUND} the branches of this order (it may be of an earlier one)")
         }
         ("periodic", Some(1), None) => {
-            format!("a periodic motion that {UNFOUND} the branches found (the search may have missed it)")
+            format!(
+                "a periodic motion that {UNFOUND} the branches found (the search may have missed it, or more harmonics move the end of a \
+                 branch there)"
+            )
         }
         ("periodic", Some(repeats), _) => format!("motions that repeat after {repeats} periods"),
         ("quasi_periodic", ..) => "quasi-periodic motions".into(),

@@ -43,6 +43,32 @@ fn a_verification_comes_back_bit_for_bit_and_stands_in_tables() {
     assert_eq!(store.added().unwrap().len(), 1);
 }
 
+/// Of a stretch around the peak as many points are told as were marched of it; the orbit near a stable peak may be told of at another point.
+#[test]
+fn a_stretch_around_the_peak() {
+    let (study, dir) = (Study::damper(), tempdir().unwrap());
+    let (mut store, results) = study.finished(dir.path());
+    let isola = results.iter().find(|result| result.name == Some(BranchId::isola(0))).unwrap();
+    let verification = study.verify(&mut store, isola);
+    drop(store);
+    let (count, between) = (verification.points.len(), verification.points[1].index);
+    assert_ne!(between, verification.peak);
+    let db = rusqlite::Connection::open(dir.path().join(FILE)).unwrap();
+    let rows = || {
+        let store = Reader::open(dir.path()).unwrap();
+        let level = store.levels().unwrap().remove(1).0;
+        store.branches(level).unwrap()
+    };
+    db.execute("UPDATE verifications SET stretch = 'peak'", []).unwrap();
+    assert_eq!(rows()[1].stability.as_ref().unwrap().sampled, None);
+    assert_eq!(db.execute("DELETE FROM verified_points WHERE i = ?1", [between]).unwrap(), 1);
+    assert!(db.execute("UPDATE points SET stable = NULL WHERE i = ?1", [verification.peak]).unwrap() > 0);
+    let row = rows().remove(1);
+    let stability = row.stability.as_ref().unwrap();
+    assert_eq!((stability.is_whole, stability.sampled), (false, Some(count - 1)));
+    assert_eq!(stability.largest, Some((row.omega_at_max, row.amplitude_max)));
+}
+
 /// What marching came to from the peak has the frequency and amplitude of the other side of the isola.
 #[test]
 fn an_orbit_of_another_motion_is_none_of_the_peak() {
