@@ -330,7 +330,7 @@ fn one_of<T: Copy + Send + Sync + 'static>(
 
 fn formats() -> impl TypedValueParser<Value = Format> {
     one_of(&[
-        (Format::Csv, "csv", "summary.csv, backbone.csv, windows.csv, branches/*.csv"),
+        (Format::Csv, "csv", "summary.csv, backbone.csv, windows.csv, folds.csv, events.csv, …, branches/*.csv"),
         (Format::Mat, "mat", "For MATLAB and Octave, with all harmonics: run.mat, branches/*.mat"),
         (Format::Npz, "npz", "For NumPy, with all harmonics: run.npz, branches/*.npz"),
     ])

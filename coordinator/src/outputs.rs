@@ -10,6 +10,7 @@ use results::overview::Omissions;
 use results::store::Reader;
 #[cfg(any(feature = "figures", feature = "page"))]
 use results::words::instead;
+use results::words::listed;
 use std::fmt::Display;
 #[cfg(feature = "page")]
 use std::path::Path;
@@ -46,13 +47,14 @@ fn told_of_all(made: impl Display, omissions: &[&Omissions]) -> Result<ExitCode,
 pub fn export(args: &ExportArgs) -> Result<ExitCode, Error> {
     let reader = Reader::open(&args.run)?;
     let to = args.to.as_ref().unwrap_or(&args.run);
-    let omissions = export::export(&reader, args.format, to)?;
-    let files = match args.format {
-        export::Format::Csv => "summary.csv, backbone.csv, windows.csv and branches/",
-        export::Format::Mat => "run.mat and branches/",
-        export::Format::Npz => "run.npz and branches/",
-    };
-    told(format_args!("{files} are in {}\n", to.display()), &omissions)
+    let export::Exported { written, omissions } = export::export(&reader, args.format, to)?;
+    told(written.iter().map(where_it_is).collect::<String>(), &omissions)
+}
+
+/// A line that says which files an export has written into a folder.
+fn where_it_is(written: &export::Written) -> String {
+    let of_order = written.order.map_or_else(String::new, |order| format!(" of motions of order {order}"));
+    format!("{}{of_order} are in {}\n", listed(&written.files), written.folder.display())
 }
 
 /// Writes the page of a run.
