@@ -86,7 +86,8 @@ impl<'r> Contents<'r> {
         let backbone = backbone.flatten();
         let further = omissions.take("Further backbones are", further(self.reader)).unwrap_or_default();
         let all: Vec<&BackboneMessage> = backbone.iter().chain(&further).collect();
-        let lists = listed::all(self.reader, self.overview, &all, omissions);
+        let monitors = self.overview.model.as_ref().map(monitors).unwrap_or_default();
+        let lists = listed::all(self.reader, self.overview, &all, &monitors, omissions);
         if let Some(backbone) = backbone {
             self.backbone(&mut rest.group("backbone"), backbone, BACKBONE, omissions);
         }

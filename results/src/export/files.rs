@@ -71,13 +71,13 @@ pub(super) fn write(reader: &Reader, dir: &Path, omissions: &mut Omissions) -> R
     }
     write_windows(dir, &overview.levels)?;
     written.push(WINDOWS_FILE.into());
-    for list in listed::all(reader, &overview, &all, omissions) {
+    let monitors = overview.model.as_ref().map(monitors);
+    for list in listed::all(reader, &overview, &all, monitors.as_deref().unwrap_or_default(), omissions) {
         // Most runs have neither motions beyond instabilities nor pushes.
         if !list.is_empty() || !["motions", "pushes"].contains(&list.name) {
             written.push(list.write(dir)?);
         }
     }
-    let monitors = overview.model.as_ref().map(monitors);
     overview.each_branch(reader, omissions, |omissions, name, result| {
         let verified = reader.verification(result.task.as_str());
         let verified = omissions.read(format_args!("The stability of {name} is"), verified).flatten();

@@ -1,6 +1,5 @@
 //! What is listed of a run besides its branches and windows. Names of columns are an interface.
 
-use super::contents::monitors;
 use super::list::{List, Lister};
 use crate::curves::BackboneCurve;
 use crate::overview::{CurveEvent, MERGE, Omissions, Overview, curve_events, merge_verb};
@@ -10,11 +9,12 @@ use protocol::curve::Size;
 use solver::response::windows::{Event, EventKind};
 
 /// All lists of a run: fold curves, births and merges, bifurcations, what unstable motions turn into, and pushes. Notes what cannot
-/// be read; `backbones`: those that there are.
+/// be read; `backbones`: those that there are, `monitors`: names of the monitored dofs.
 pub(super) fn all(
     reader: &Reader,
     overview: &Overview,
     backbones: &[&BackboneMessage],
+    monitors: &[String],
     omissions: &mut Omissions,
 ) -> [List; 5] {
     let curves = omissions.read("The list of fold curves is", reader.curves()).unwrap_or_default();
@@ -23,13 +23,12 @@ pub(super) fn all(
     let motion_rows = omissions.read("The list of motions is", reader.motions()).unwrap_or_default();
     let push_rows = omissions.read("The list of pushes is", reader.pushes()).unwrap_or_default();
     let level = |forcing: &str| value_of(overview, forcing);
-    let monitors = overview.model.as_ref().map(monitors).unwrap_or_default();
     [
         folds(&curves),
         events(&curves, &predicted),
         bifurcations(&rows, level),
         motions(&motion_rows, level),
-        pushes(&push_rows, level, &monitors),
+        pushes(&push_rows, level, monitors),
     ]
 }
 
