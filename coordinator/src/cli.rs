@@ -262,7 +262,8 @@ pub struct ReportArgs {
     /// Folders of runs; several are compared, each with the first.
     #[arg(required = true, value_name = "RUN")]
     pub runs: Vec<PathBuf>,
-    /// File to write [default: report.html, of several compare.html, in the folder of the first run].
+    /// File to write; of further orders of motions others beside it, as FILE-m3.html [default: report.html, of several runs compare.html, in
+    /// the folder of the first run].
     #[arg(short, long, value_name = "FILE")]
     pub out: Option<PathBuf>,
     /// Draw the branches of these forcing amplitudes only: 20,60 or start:stop:step with both ends.
