@@ -262,7 +262,8 @@ pub struct ReportArgs {
     /// Folders of runs; several are compared, each with the first.
     #[arg(required = true, value_name = "RUN")]
     pub runs: Vec<PathBuf>,
-    /// File to write [default: report.html, of several compare.html, in the folder of the first run].
+    /// File to write; of further orders of motions others beside it, as FILE-m3.html [default: report.html, of several runs compare.html, in
+    /// the folder of the first run].
     #[arg(short, long, value_name = "FILE")]
     pub out: Option<PathBuf>,
     /// Draw the branches of these forcing amplitudes only: 20,60 or start:stop:step with both ends.
@@ -330,7 +331,7 @@ fn one_of<T: Copy + Send + Sync + 'static>(
 
 fn formats() -> impl TypedValueParser<Value = Format> {
     one_of(&[
-        (Format::Csv, "csv", "summary.csv, backbone.csv, windows.csv, branches/*.csv"),
+        (Format::Csv, "csv", "summary.csv, backbone.csv, windows.csv, folds.csv, events.csv, …, branches/*.csv"),
         (Format::Mat, "mat", "For MATLAB and Octave, with all harmonics: run.mat, branches/*.mat"),
         (Format::Npz, "npz", "For NumPy, with all harmonics: run.npz, branches/*.npz"),
     ])

@@ -10,6 +10,7 @@ use results::overview::Omissions;
 use results::store::Reader;
 #[cfg(any(feature = "figures", feature = "page"))]
 use results::words::instead;
+use results::words::listed;
 use std::fmt::Display;
 #[cfg(feature = "page")]
 use std::path::Path;
@@ -46,13 +47,14 @@ fn told_of_all(made: impl Display, omissions: &[&Omissions]) -> Result<ExitCode,
 pub fn export(args: &ExportArgs) -> Result<ExitCode, Error> {
     let reader = Reader::open(&args.run)?;
     let to = args.to.as_ref().unwrap_or(&args.run);
-    let omissions = export::export(&reader, args.format, to)?;
-    let files = match args.format {
-        export::Format::Csv => "summary.csv, backbone.csv, windows.csv and branches/",
-        export::Format::Mat => "run.mat and branches/",
-        export::Format::Npz => "run.npz and branches/",
-    };
-    told(format_args!("{files} are in {}\n", to.display()), &omissions)
+    let export::Exported { written, omissions } = export::export(&reader, args.format, to)?;
+    told(written.iter().map(where_it_is).collect::<String>(), &omissions)
+}
+
+/// A line that says which files an export has written into a folder.
+fn where_it_is(written: &export::Written) -> String {
+    let of_order = written.order.map_or_else(String::new, |order| format!(" of motions of order {order}"));
+    format!("{}{of_order} are in {}\n", listed(&written.files), written.folder.display())
 }
 
 /// Writes the page of a run.
@@ -63,18 +65,16 @@ pub fn report(args: &crate::cli::ReportArgs) -> Result<ExitCode, Error> {
     let orders = Orders { first: first.model()?.forcing_harmonic, further: first.further_orders()? };
     let written = match args.order {
         Some(order) => vec![order],
-        None if args.out.is_some() => vec![orders.first],
         None => orders.all().collect(),
     };
     let (mut made, mut omissions) = (String::new(), Omissions::default());
     for (i, &order) in written.iter().enumerate() {
         let reader = of_order(Reader::open(run)?, &orders.further, order)?;
-        let is_there = |other: &usize| written.contains(other) || orders.folder(run, *other).join(PAGE).exists();
-        let beside = match args.out {
-            Some(_) => orders.all().filter(|other| *other == order).collect(),
-            None => orders.all().filter(is_there).collect::<Vec<usize>>(),
-        };
-        let (text, missing) = page(&reader, args, &orders.pages(&beside, order))?;
+        let file = |other| orders.file(run, args, other);
+        // Of an order that is asked for alone there may be others in their places already, but not beside a file that has a name.
+        let is_there = |other: &usize| written.contains(other) || args.out.is_none() && file(*other).exists();
+        let beside = orders.all().filter(is_there).collect::<Vec<usize>>();
+        let (text, missing) = page(&reader, args, &file(order), &orders.pages(&beside, order, args.out.as_deref()))?;
         if i > 0 {
             made += &format!("\nMotions that last {order} periods of the force:\n");
         }
@@ -103,23 +103,60 @@ impl Orders {
         if order == self.first { run.into() } else { run.join(order_folder(order)) }
     }
 
-    /// The pages of some of them as seen from that of one; none where there is but one order.
-    fn pages(&self, orders: &[usize], seen_from: usize) -> Vec<results::page::PageOfOrder> {
+    /// The file of the page of an order: in the folder of its files or, where a file was named, that one for the first order, and for
+    /// others one beside it; the named one also for an order that is asked for alone.
+    fn file(&self, run: &Path, args: &crate::cli::ReportArgs, order: usize) -> PathBuf {
+        match &args.out {
+            Some(file) if args.order.is_some() => file.clone(),
+            Some(file) => self.named(file, order),
+            None => self.folder(run, order).join(PAGE),
+        }
+    }
+
+    /// A file that was named, as it is called for an order: `page.html`, `page-m3.html`.
+    fn named(&self, file: &Path, order: usize) -> PathBuf {
+        if order == self.first {
+            return file.into();
+        }
+        let part = |part: Option<&std::ffi::OsStr>| part.unwrap_or_default().to_string_lossy().into_owned();
+        let name = format!("{}-{}", part(file.file_stem()), order_folder(order));
+        match file.extension() {
+            Some(extension) => file.with_file_name(format!("{name}.{}", part(Some(extension)))),
+            None => file.with_file_name(name),
+        }
+    }
+
+    /// The pages of some of them as seen from that of one, in their folders or beside the file that was named; none where there is but
+    /// one order.
+    fn pages(&self, orders: &[usize], seen_from: usize, named: Option<&Path>) -> Vec<results::page::PageOfOrder> {
         let up = Path::new(if seen_from == self.first { "" } else { ".." });
+        let file = |order| match named {
+            Some(file) => link(&self.named(file, order)),
+            None => self.folder(up, order).join(PAGE).display().to_string(),
+        };
         let page = |&order: &usize| results::page::PageOfOrder {
             order,
             is_first: order == self.first,
-            file: (order != seen_from).then(|| self.folder(up, order).join(PAGE).display().to_string()),
+            file: (order != seen_from).then(|| file(order)),
         };
         if self.further.is_empty() { Vec::new() } else { orders.iter().map(page).collect() }
     }
 }
 
-/// Writes the page of one order of motions, with these others beside it: its verdict and where the page is, and what is missing.
+/// A file of the same folder as pages name it: what would be taken for a part of an address is written as such a one has it.
+#[cfg(feature = "page")]
+fn link(file: &Path) -> String {
+    let name = file.file_name().unwrap_or_default().to_string_lossy();
+    format!("./{}", name.replace('%', "%25").replace('#', "%23").replace('?', "%3F"))
+}
+
+/// Writes the page of one order of motions to a file, with these others beside it: its verdict and where the page is, and what is
+/// missing.
 #[cfg(feature = "page")]
 fn page(
     reader: &Reader,
     args: &crate::cli::ReportArgs,
+    file: &Path,
     beside: &[results::page::PageOfOrder],
 ) -> Result<(String, Omissions), Error> {
     use results::report::{Report, Selection};
@@ -128,10 +165,10 @@ fn page(
     let levels = chosen_levels(reader, args.levels.as_deref())?;
     let selection = levels.map_or(Selection::Fitting, Selection::Amplitudes);
     let report = Report::read_in(reader, &selection, args.units.unwrap_or_default())?;
-    let folder = reader.order().map_or_else(|| reader.dir().into(), |order| reader.dir().join(order_folder(order)));
-    std::fs::create_dir_all(&folder).map_err(Error::io(&folder))?;
-    let file = args.out.clone().unwrap_or_else(|| folder.join(PAGE));
-    export::write_atomically(&file, results::page::report(&report, beside).as_bytes())?;
+    if let (None, Some(folder)) = (&args.out, file.parent()) {
+        std::fs::create_dir_all(folder).map_err(Error::io(folder))?;
+    }
+    export::write_atomically(file, results::page::report(&report, beside).as_bytes())?;
     let width = crate::display::width();
     let answers = (report.verdict.iter())
         .map(|answer| wrapped(&format!("{} {}", answer.title, answer.whole()), width, "") + "\n");

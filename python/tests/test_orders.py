@@ -55,10 +55,14 @@ def test_a_further_order_has_no_backbone_of_the_first(run: Path) -> None:
 def test_branches_of_a_further_order_are_hinted_at(run: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("ISOLA_BIN", str(program().absolute()))
     first = isola_hbm.load(run)
-    assert repr(first).endswith(f"motions of 3 periods of the force: isola_hbm.load('{run}', order=3)>")
+    assert repr(first).endswith(f"motions of 3 periods of the force (2 isolas): isola_hbm.load('{run}', order=3)>")
     assert "load(" not in repr(isola_hbm.load(run, order=3))
     with pytest.raises(isola_hbm.NoSuchBranch, match=r'those of load\(folder, order=3\), there "2/isola 1"'):
         first["2-m3/isola 1"]
+    with pytest.raises(isola_hbm.NoSuchBranch, match=r"there is one of order 3: load\(folder, order=3\)$"):
+        first["2/isola 1"]
+    with pytest.raises(isola_hbm.NoSuchBranch, match=r"there is one of the first order: load\(folder\)$"):
+        isola_hbm.load(run, order=3)[2, "main"]
     # Of the order that is told of, and of one that there is not, there is nothing to hint at.
     for told, name, there in [
         (isola_hbm.load(run, order=3), "2-m3/isola 9", "; there are isola 1"),
@@ -66,7 +70,10 @@ def test_branches_of_a_further_order_are_hinted_at(run: Path, monkeypatch: pytes
     ]:
         with pytest.raises(isola_hbm.NoSuchBranch, match=f"{re.escape(there)}$"):
             told[name]
-    assert '"is_first":false,"file":null' in isola_hbm.load(run, order=3).explore().html
+    for told, is_first in [(first, "true"), (isola_hbm.load(run, order=3), "false")]:
+        pages = told.explore().html.split('"orders":[')[1].split("]")[0]
+        # One that is shown alone has no others beside it.
+        assert pages.count('"is_first"') == 1 and f'"is_first":{is_first},"file":null' in pages
 
 
 def test_a_run_that_is_extended_tells_of_the_same_order(run: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

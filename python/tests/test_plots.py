@@ -330,7 +330,33 @@ def test_merges_are_told_as_by_the_program(copy: Path) -> None:
     assert f"part at {digits(forcing, 4)}" in said()
     change(copy, "UPDATE curve_points SET forcing_2h = NULL")
     assert f"part at {digits(forcing, 4)} (2H: not found)" in said()
-    assert "merges or partings, computed; 2H: with twice the harmonics" in labels(run.plot.map())
+    assert {"merges or partings, computed", "2H: with twice the harmonics"} <= set(labels(run.plot.map()))
+
+
+def test_a_map_has_the_unit_and_the_cusps_of_the_program(copy: Path) -> None:
+    change(copy, "UPDATE curve_points SET event = 'cusp' WHERE event = 'birth'")
+    axes = isola_hbm.load(copy).plot.map()
+    assert axes.get_ylabel() == "forcing amplitude A, threshold A* (N at x1)"
+    (cusps,) = [line for line in axes.get_lines() if line.get_label() == "cusps, computed (two folds meet)"]
+    assert cusps.get_marker() == "s" and len(cusps.get_xdata()) > 0
+
+
+def test_what_lies_beyond_the_frame_is_not_in_the_legend(damper: Path) -> None:
+    run = isola_hbm.load(damper)
+    omega = run.events.query("kind == 'birth'")["omega"]
+    axes = run.plot.map(frequency=(1.2 * omega.max(), 2.0 * omega.max()))
+    assert not any(label.startswith("births") for label in labels(axes))
+    assert any(label.startswith("births") for label in labels(run.plot.map()))
+
+
+@pytest.mark.parametrize("is_crossed", [False, True])
+def test_names_stand_over_curves_where_there_is_no_room(is_crossed: bool) -> None:
+    axes = plt.subplots(layout="constrained")[1]
+    # So many lines across that every place of a name is on one.
+    curves = [axes.plot([i / 40, i / 40], [0.0, 1.0])[0] for i in range(41)]
+    names = [Named("dies at 356.5 (2H: 356.4)", 0.5, 0.5, "black")]
+    write_names(axes, *([[], names, 5.0, [curves, []]] if is_crossed else [curves, names, 5.0]))
+    assert len(in_words(axes)) == is_crossed
 
 
 def test_numbers_are_written_as_by_the_program() -> None:

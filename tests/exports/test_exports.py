@@ -143,6 +143,47 @@ def test_the_run(run: Path, store: sqlite3.Connection, kind: str) -> None:
     assert len(found["run.missing"]) == 0
 
 
+#: Columns that count from 1 in CSV files and from 0 elsewhere.
+MODES = ["mode", "backbone"]
+
+
+@pytest.mark.parametrize("kind", ["mat", "npz"])
+def test_lists_are_those_of_the_csv_files(run: Path, kind: str) -> None:
+    found = read(run.parent / kind / f"run.{kind}")
+    written = {}
+    for name in ["folds", "events", "bifurcations", "motions", "pushes"]:
+        file = run.parent / "csv" / f"{name}.csv"
+        columns = [key.removeprefix(f"{name}.") for key in found if key.startswith(f"{name}.")]
+        assert len(columns) >= 5
+        if not file.exists():
+            assert all(np.size(found[f"{name}.{column}"]) == 0 for column in columns)
+            continue
+        with file.open() as text:
+            reader = csv.DictReader(text)
+            rows = list(reader)
+        written[name] = len(rows)
+        assert list(reader.fieldnames or []) == columns[: len(reader.fieldnames or [])]
+        for column in reader.fieldnames or []:
+            values = np.atleast_1d(found[f"{name}.{column}"])
+            cells = [row[column] for row in rows]
+            if values.dtype.kind in "fi":
+                numbers = np.array([float(cell or "nan") - (column in MODES) for cell in cells])
+                np.testing.assert_array_equal(values, numbers, f"{name}: {column}")
+            else:
+                assert ["" if np.size(value) == 0 else str(value) for value in values] == cells, f"{name}: {column}"
+    assert written["folds"] > 10 and written["events"] > 0, written
+
+
+@pytest.mark.parametrize("kind", ["csv", "mat", "npz"])
+def test_what_was_written_is_named(run: Path, tmp_path: Path, kind: str) -> None:
+    export = isola("export", run, "--format", kind, "--to", tmp_path / kind)
+    assert export.returncode == 0, export.stderr
+    files = [file.name + ("/" if file.is_dir() else "") for file in (tmp_path / kind).iterdir()]
+    named, folder = export.stdout.strip().split(" are in ")
+    assert sorted(named.replace(" and ", ", ").split(", ")) == sorted(files)
+    assert Path(folder) == tmp_path / kind
+
+
 @pytest.mark.parametrize("kind", ["mat", "npz"])
 def test_all_documented_names_are_there(run: Path, store: sqlite3.Connection, kind: str) -> None:
     document = (ROOT / "results" / "EXPORTS.md").read_text()

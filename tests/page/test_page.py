@@ -200,3 +200,64 @@ def test_names_are_text(run, browser, tmp_path):
     with report(browser, tmp_path / "run") as page:
         assert page.locator("#run-name").inner_text().startswith("<img src=x")
         assert page.locator("img[src=x]").count() == 0
+
+
+def patched(run, tmp_path, *changes):
+    """The folder of a copy of the report, in which these texts are others."""
+    page = (run / "report.html").read_text(encoding="utf-8")
+    for old, new in changes:
+        assert old in page
+        page = page.replace(old, new)
+    (tmp_path / "report.html").write_text(page, encoding="utf-8")
+    return tmp_path
+
+
+@pytest.mark.parametrize("turned", [False, True])
+def test_titles_of_axes_have_room_on_a_phone(run, browser, tmp_path, turned):
+    """Also long ones, and where a phone was turned after they were broken into lines."""
+    long = "frequency ω of the response, 1/2 of the force's"
+    folder = patched(run, tmp_path, ('"title":"frequency ω"', f'"title":"{long}"'))
+    across, upright = ({"width": 800, "height": 390}, {"width": 390, "height": 800})
+    with report(browser, folder, viewport=across if turned else upright) as page:
+        if turned:
+            page.set_viewport_size(upright)
+            page.wait_for_timeout(500)
+        measured = page.evaluate(
+            """() => [...Bokeh.index].filter(({ frame }) => frame).flatMap(({ model, el, frame }) => {
+                const context = document.createElement("canvas").getContext("2d");
+                const of = ({ axis_label: { text }, axis_label_text_font_size: size, axis_label_text_font: font }, length) => {
+                    context.font = `${size} ${font}`;
+                    return [text, Math.max(...text.split("\\n").map((line) => context.measureText(line).width)), length];
+                };
+                const { left, right, top, bottom } = frame.bbox;
+                const room = (from, to, whole) => 2 * Math.min((from + to) / 2, whole - (from + to) / 2);
+                return [of(model.below[0], room(left, right, el.clientWidth)), of(model.left[0], room(top, bottom, el.clientHeight))];
+            })"""
+        )
+        assert len(measured) >= 10
+        assert all(width <= room for _, width, room in measured), measured
+        broken = [text for text, *_ in measured if text.replace("\n", " ").startswith(long)]
+        assert len(broken) >= 3 and all("\n" in text for text in broken), measured
+        # What has room stays in one line.
+        assert "time (periods)" in " ".join(text for text, *_ in measured if "\n" not in text)
+
+
+def test_the_amplitude_looked_at_covers_no_other_label(run, browser, tmp_path):
+    folder = patched(run, tmp_path, ("function keepLabels(", "window.labelsWithRoom = labelsWithRoom;\nfunction keepLabels("))
+    with report(browser, folder, viewport={"width": 390, "height": 800}) as page:
+        shown = page.evaluate(
+            """() => {
+                const frame = { left: 0, right: 300, top: 0, bottom: 200 };
+                const projection = { x: (x) => x, y: (y) => y, frame };
+                const label = (text, x, anchor, dx, dy) => ({ text, x, y: 100, anchor, dx, dy });
+                const elsewhere = [label("A = 300", 300, "top_right", -4, 3)];
+                const chosen = { ...label("A = 300", 300, "bottom_right", -4, -3), elsewhere };
+                const others = [label("dies at 301", 250, "bottom_center", 0, -3)];
+                return [[chosen, ...others], [chosen]].map((labels) =>
+                    labelsWithRoom(labels, projection).map(({ text, anchor }) => [text, anchor]));
+            }"""
+        )
+        assert shown == [
+            [["A = 300", "top_right"], ["dies at 301", "bottom_center"]],
+            [["A = 300", "bottom_right"]],
+        ]

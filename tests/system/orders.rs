@@ -63,7 +63,9 @@ fn an_order_has_what_the_structure_forced_on_its_harmonic_has() {
     {
         let to = folder.path().join(format);
         let exported = isola(&["export", run_text, "--format", format, "--to", to.to_str().unwrap()]);
-        text(&exported);
+        let named = text(&exported);
+        let further = format!("run.{format} and branches/ of motions of order 3 are in {}", to.join("m3").display());
+        assert!(named.contains(&further), "{named}");
         assert!(!complaint(&exported).contains("left out"), "{}", complaint(&exported));
         assert!(files.iter().all(|file| to.join(file).exists()), "{format}");
     }
@@ -82,8 +84,12 @@ fn an_order_has_what_the_structure_forced_on_its_harmonic_has() {
     text(&isola(&["report", run_text, "--order", "3"]));
     let single = folder.path().join("single.html");
     text(&isola(&["report", run_text, "--order", "3", "-o", single.to_str().unwrap()]));
+    let both = folder.path().join("both.html");
+    text(&isola(&["report", run_text, "-o", both.to_str().unwrap()]));
     for (file, pages) in [
-        (run.join("report.html"), [(1, true, None), (3, false, Some("m3/report.html"))].as_slice()),
+        (both, [(1, true, None), (3, false, Some("./both-m3.html"))].as_slice()),
+        (folder.path().join("both-m3.html"), &[(1, true, Some("./both.html")), (3, false, None)]),
+        (run.join("report.html"), &[(1, true, None), (3, false, Some("m3/report.html"))]),
         (run.join("m3/report.html"), &[(1, true, Some("../report.html")), (3, false, None)]),
         (single, &[(3, false, None)]),
     ] {
@@ -117,6 +123,14 @@ fn an_order_has_what_the_structure_forced_on_its_harmonic_has() {
     let drawn = std::fs::read_to_string(&picture).unwrap();
     text(&plot("1"));
     assert_ne!(drawn, std::fs::read_to_string(&picture).unwrap());
+    // A branch that another order has is found there.
+    let picture_text = picture.to_str().unwrap();
+    let motion = |more: &[&str]| {
+        isola(&[&["plot", run_text, "--figure", "motion", "--at", "2/isola 1", "-o", picture_text], more].concat())
+    };
+    let said = complaint(&motion(&[]));
+    assert!(said.contains("A = 2 has no such branch, but main; there is one of order 3: --order 3"), "{said}");
+    text(&motion(&["--order", "3"]));
     let refused = plot("2");
     assert_eq!(refused.status.code(), Some(2), "{}", complaint(&refused));
     assert!(complaint(&refused).contains("the run looks for motions of order 1, 3"), "{}", complaint(&refused));

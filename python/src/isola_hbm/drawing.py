@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import product
 from typing import TYPE_CHECKING, Any, ClassVar
@@ -19,6 +19,8 @@ if TYPE_CHECKING:
     from matplotlib.lines import Line2D
     from matplotlib.path import Path
     from numpy.typing import ArrayLike, NDArray
+
+    from .live.types import Model
 
 #: Colours as in the figures of the program, of what is not a branch.
 INK, SHADE, ISOLA, FOLDS, WORK = "#1a2027", "#8b96a1", "#d55e00", "#b0508a", "#7a3300"
@@ -109,6 +111,15 @@ class Units:
     def of_length(self) -> str:
         """The unit of lengths as figures have it."""
         return (self.length or "m").replace("um", "µm")
+
+
+def of_forcing(model: Model) -> str:
+    """What follows the label of an axis of forcing amplitudes: the unit, if the force acts on one dof, as figures of the program have it."""
+    (acting,) = np.nonzero(model.forcing)
+    if len(acting) != 1:
+        return ""
+    force = model.forcing[acting[0]]
+    return f" ({'' if force == 1.0 else f'units of {text(force)} '}N at {model.dofs[acting[0]]})"
 
 
 def axes_of(ax: Axes | None) -> Axes:
@@ -236,10 +247,12 @@ def _legend_above(axes: Axes, handles: list[Any], labels: list[str]) -> None:
 
 
 def fit_texts(axes: Axes) -> None:
-    """Makes the title and what is written along the axis across as small as has room in the figure."""
-    for written in (axes.title, axes.xaxis.label):
+    """Makes the title and what is written along both axes as small as has room in the figure."""
+    for written in (axes.title, axes.xaxis.label, axes.yaxis.label):
+        # What stands along the axis upwards is turned.
+        way = "height" if written is axes.yaxis.label else "width"
         for size in ("medium", "small", "x-small", "xx-small"):
-            if written.get_window_extent().width <= _ACROSS * axes.figure.bbox.width:
+            if getattr(written.get_window_extent(), way) <= _ACROSS * getattr(axes.figure.bbox, way):
                 break
             written.set_fontsize(size)
 
@@ -293,10 +306,10 @@ def write_names(
     curves: Iterable[Line2D | Collection],
     names: Iterable[Named],
     mark: float = 0.0,
-    faint: Iterable[Line2D | Collection] = (),
+    faint: Sequence[Iterable[Line2D | Collection]] = (),
 ) -> None:
     """Names where they cover neither these curves nor the legend nor each other, nor marks at their points, which reach so far (points),
-    nor faint curves if that can be: the first ones first."""
+    nor faint curves if that can be, of several groups rather the last ones: the first ones first."""
     from matplotlib.patheffects import withStroke
     from matplotlib.transforms import Bbox
 
@@ -304,7 +317,10 @@ def write_names(
     root, names = axes.figure.canvas.figure, list(names)
     root.draw_without_rendering()
     (left, right), (low, high) = axes.get_xlim(), axes.get_ylim()
-    firm, thin = ([path for curve in some for path in _paths(curve)] for some in (curves, faint))
+    firm, *thin = ([path for curve in some for path in _paths(curve)] for some in (curves, *faint))
+    # What is not written over: all curves, then ever fewer groups of the faint ones.
+    avoided = [firm + [path for some in thin[:count] for path in some] for count in range(len(thin), -1, -1)]
+    rivals = avoided[min(1, len(thin))]
     halo = [withStroke(linewidth=2, foreground="white")]
     legend, reach, beside = axes.get_legend(), mark * root.dpi / 72.0, (_BESIDE + mark) * root.dpi / 72.0
     taken: list[Any] = [legend.get_window_extent()] if legend else []
@@ -316,8 +332,8 @@ def write_names(
         places = list(_places(named.is_below, mark)) if is_shown else []
         x, y = axes.transData.transform((named.x, named.y))
         here = Bbox.from_extents(x - MARK, y - MARK, x + MARK, y + MARK)
-        others = [path for path in firm if not path.intersects_bbox(here, filled=False)]
-        for paths, (offset, align, vertical) in product([firm + thin, firm] if thin else [firm], places):
+        others = [path for path in rivals if not path.intersects_bbox(here, filled=False)]
+        for paths, (offset, align, vertical) in product(avoided, places):
             place: dict[str, Any] = {"xy": (named.x, named.y), "xytext": offset, "textcoords": "offset points"}
             written = axes.annotate(named.name, **place, color=named.color, fontsize="small", ha=align, va=vertical)
             written.set(in_layout=False, path_effects=halo)

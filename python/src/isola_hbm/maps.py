@@ -24,6 +24,7 @@ from .drawing import (
     fit_texts,
     legend,
     logarithmic,
+    of_forcing,
     write_names,
 )
 from .isolas import mode_of_isola
@@ -31,6 +32,7 @@ from .live.wire import Floats
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.lines import Line2D
 
     from .stored.run import StoredRun
 
@@ -49,7 +51,7 @@ class _Event:
     order: float
 
 
-#: Events by source and kind. Cusps are not marked. Where A* has a maximum windows merge; along a fold curve branches may part as well.
+#: Events by source and kind. Where A* has a maximum windows merge; along a fold curve branches may part as well.
 _EVENTS = {
     ("computed", "birth"): _Event("^", False, "births", "born", 5.0, 2.6),
     ("computed", "death"): _Event("x", False, "deaths", "dies", 5.0, 2.6),
@@ -57,12 +59,14 @@ _EVENTS = {
     ("predicted", "birth"): _Event("^", False, "births", "born", 9.0, 2.5),
     ("predicted", "merge"): _Event("v", True, "merges", "merge", 9.0, 2.5),
 }
+#: Cusps are neither births nor ends: they are marked, but have no labels, and the map is not about them.
+_CUSP = _Event("s", True, "cusps, computed (two folds meet)", "", 4.4, 2.6)
 #: Of more events none has a label; how far marks reach, points.
 _LABELLED, _MARK = 8, 5.0
 #: Digits of a forcing that have to agree with those of twice the harmonics, which are told otherwise.
 _AGREED = 3
-#: What the legend says of labels with a number that is another one with twice the harmonics.
-_TWICE = "; 2H: with twice the harmonics"
+#: What the legend says where a label has a number that is another one with twice the harmonics.
+_TWICE = "2H: with twice the harmonics"
 #: Bars are at most so thick, as a share of the distance between levels, and at least, points.
 _SHARE, _FINE = 0.5, 0.6
 #: Bars from this width on are not written over.
@@ -114,8 +118,12 @@ def isola_map(
         axes.set_xlim(across)
     elif len(shown):
         axes.set_xlim(units.frequencies(beside(shown)))
-    axes.set(xlabel=units.of_frequency(run.model.forcing_harmonic), ylabel="forcing amplitude A, threshold A*")
+    axes.set(xlabel=units.of_frequency(run.model.forcing_harmonic), ylabel=f"forcing amplitude A, threshold A*{of_forcing(run.model)}")
     fit_texts(axes)
+    for line in axes.get_lines():
+        if line.get_label() != _TWICE and not _is_in_sight(axes, line):
+            # The legend passes over names that begin like this.
+            line.set_label("_beyond")
     # Lines from end to end are thin, and may be written over.
     bars = [bars for bars in axes.collections if np.max(bars.get_linewidth()) >= _THICK]
     faint = [lines for lines in axes.collections if lines not in bars]
@@ -123,8 +131,19 @@ def isola_map(
     for lines in bars:
         lines.set_linewidth(float(min(np.max(lines.get_linewidth()), most)))
     legend(axes)
-    write_names(axes, [*axes.get_lines(), *bars], names if len(names) <= _LABELLED else [], _MARK, faint)
+    curves = [line for line in axes.get_lines() if line.get_linestyle() != "None"]
+    written = names if len(names) <= _LABELLED else []
+    # Where there is no room between curves a name stands over them, as in the figures of the program.
+    write_names(axes, bars, written, _MARK, [curves, faint])
     return axes
+
+
+def _is_in_sight(axes: Axes, line: Line2D) -> bool:
+    """Whether any of a curve or of marks lies within the frame."""
+    path = line.get_path().transformed(axes.transData)
+    if line.get_linestyle() == "None":
+        return bool(axes.bbox.count_contains(path.vertices))
+    return bool(path.intersects_bbox(axes.bbox, filled=False))
 
 
 def _room_of_bars(axes: Axes, levels: list[float]) -> float:
@@ -172,6 +191,11 @@ def _draw_thresholds(run: StoredRun, axes: Axes, units: Units, levels: list[floa
         add_line(axes, omega, threshold, color=INK, linewidth=width, label=label)
         axes.update_datalim(np.column_stack([omega, curve["threshold"]])[is_near])
         shown.append(curve["omega"].to_numpy()[is_near])
+    # Of a further order of motions there may be events beyond its levels and no thresholds up to them.
+    happens = _marked(run.events)
+    happens = happens[happens["forcing"].between(*near)] if levels else happens[:0]
+    if len(happens):
+        axes.update_datalim(np.column_stack([units.frequencies(happens["omega"]), happens["forcing"]]))
     axes.autoscale_view()
     return np.concatenate([np.zeros(0), *shown])
 
@@ -216,10 +240,17 @@ def _draw_folds(
             markerfacecolor="none" if event.is_hollow else color,
             markersize=event.size,
             zorder=event.order,
-            label=f"{event.many}, {source}{_TWICE if any('2H' in name for name in own) else ''}",
+            label=f"{event.many}, {source}",
         )
         for name, x, y in zip(own, units.frequencies(group["omega"]), group["forcing"]):
             names.append(Named(name, x, y, color, kind == "birth"))
+    cusps = run.events[(run.events["kind"] == "cusp") & run.events["forcing"].between(low, high)]
+    if len(cusps):
+        at = units.frequencies(cusps["omega"])
+        look = {"color": FOLDS, "markerfacecolor": "none", "markersize": _CUSP.size, "zorder": _CUSP.order}
+        axes.plot(at, cusps["forcing"], _CUSP.mark, label=_CUSP.many, **look)
+    if any("2H" in named.name for named in names):
+        axes.plot([], [], linestyle="none", label=_TWICE)
     computed = shown["omega"][shown["source"] == "computed"].to_numpy(float)
     among = folds["forcing"].between(min(levels), max(levels)) if levels else folds["forcing"].isna()
     return computed, folds["omega"][among].to_numpy(float), names

@@ -24,6 +24,8 @@ class Chart {
       `div.chart.${size}`,
       { tabindex: 0, role: "group", "aria-roledescription": "chart", "aria-label": label },
     );
+    // In its place from the beginning, so that titles are broken before they are painted: what sticks out is not wiped away.
+    place.append(this.box);
     this.painters = [];
     this.tools = bokehTools();
     this.figure = new Bokeh.Plotting.figure({
@@ -47,13 +49,18 @@ class Chart {
       if (axis.scale === "log") keepLogTicks(drawn, this.gridAlong(name), this.figure[`${name}_range`]);
       if (axis.ticks) nameTicks(drawn, axis.ticks);
     }
-    this.paint(() => restyle(this.figure));
+    this.paint(() => {
+      restyle(this.figure);
+      this.title();
+    });
+    // A phone that is turned has other room for titles.
+    new ResizeObserver(() => this.title()).observe(this.box);
     charts.push(this);
     /** The view, once it stands. */
     this.ready = Promise.resolve().then(
       () => Bokeh.Plotting.show(this.figure, this.box),
     ).then((view) => (this.view = view));
-    place.append(toolButtons(this, file), this.box);
+    this.box.before(toolButtons(this, file));
   }
 
   /** Runs `painter` now, and whenever the theme or the size of texts changes. */
@@ -78,12 +85,11 @@ class Chart {
    * @param {{x: Axis, y: Axis}} axes @param {boolean} stay what the reader has zoomed into stays in view
    */
   show(axes, stay = false) {
+    this.axes = axes;
+    this.title();
     for (const [name, axis] of Object.entries(axes)) {
       const { factor } = axis.unit;
       const range = this.figure[`${name}_range`];
-      const [drawn] = this.figure[`${name}axes`];
-      const label = inLines(axisLabel(axis), name === "y" || window.innerWidth <= PHONE);
-      if (drawn.axis_label?.text !== label) drawn.axis_label = plainText(label); // A new one is laid out anew.
       const ends = (axis.whole ?? axis.range).map((end) => end * factor);
       const [start, end] = this.isLog(name) && ends[0] <= 0 ? [ends[1] * LOWEST, ends[1]] : ends;
       const isHome = range.start === range.reset_start && range.end === range.reset_end;
@@ -91,6 +97,24 @@ class Chart {
       const kept = { start: range.start * ratio, end: range.end * ratio };
       range.setv({ reset_start: start, reset_end: end, ...(stay && !isHome ? kept : { start, end }) });
       this.factors[name] = factor;
+    }
+  }
+
+  /** Titles of the axes, in as many lines as the box has room for. */
+  title() {
+    const { clientWidth, clientHeight } = this.box;
+    const size = AXIS_TEXT * rootFontSize();
+    measuringContext.font = `${size}px ${chartFont()}`;
+    const widest = (lines) => Math.max(...lines.map((line) => measuringContext.measureText(line).width));
+    // Before the box stands there is nothing to fit into.
+    const room = (length, taken) => (length > 0 ? length - taken : Infinity);
+    const across = inLines(axisLabel(this.axes.x), room(clientWidth, BESIDE_TICKS * rootFontSize()), widest);
+    const below = UNDER_TICKS * rootFontSize() + 1.2 * size * across.length;
+    const up = inLines(axisLabel(this.axes.y), room(clientHeight, below), widest);
+    for (const [name, lines] of Object.entries({ x: across, y: up })) {
+      const [drawn] = this.figure[`${name}axes`];
+      const text = lines.join("\n");
+      if (drawn.axis_label?.text !== text) drawn.axis_label = plainText(text); // A new one is laid out anew.
     }
   }
 
@@ -191,18 +215,36 @@ class Chart {
 /** Where a logarithmic axis begins that would begin at zero, as a share of its end. */
 const LOWEST = 1e-4;
 
-/** Text that Bokeh takes as it is: it would look for formulas in plain strings. */
-/** Titles with more characters are longer than low charts are high, and than charts on a phone, which is no wider than so many px, are wide. */
-const LONG_TITLE = 44;
-const PHONE = 480;
+/** Size of texts along axes, and what ticks with their numbers take beside and below the frame, as shares of the size of the page's text. */
+const AXIS_TEXT = 0.82;
+const BESIDE_TICKS = 4.6;
+const UNDER_TICKS = 2.4;
+/** A title has so many lines at most. */
+const LINES = 3;
 
-/** A title, in two lines where there is little room and it is long. @param {boolean} isTight whether there is little room */
-function inLines(title, isTight) {
-  if (!isTight || title.length <= LONG_TITLE) return title;
-  const middle = title.lastIndexOf(" ", title.length / 2);
-  return middle > 0 ? `${title.slice(0, middle)}\n${title.slice(middle + 1)}` : title;
+/**
+ * A title in as few lines as fit into this room, px, all about as long.
+ * @param {(lines: string[]) => number} widest of lines, px
+ */
+function inLines(title, room, widest) {
+  const words = title.split(" ");
+  for (let count = 1; ; count++) {
+    const lines = evenly(words, count, widest);
+    if (count === LINES || count === words.length || widest(lines) <= room) return lines;
+  }
 }
 
+/** Words in so many lines, the widest of which is as narrow as can be. @returns {string[]} */
+function evenly(words, count, widest) {
+  if (count === 1) return [words.join(" ")];
+  const ways = words.slice(count - 1).map((_, k) => [
+    words.slice(0, k + 1).join(" "),
+    ...evenly(words.slice(k + 1), count - 1, widest),
+  ]);
+  return ways.reduce((best, next) => (widest(next) < widest(best) ? next : best));
+}
+
+/** Text that Bokeh takes as it is: it would look for formulas in plain strings. */
 const plainText = (text) => new Bokeh.PlainText({ text });
 
 /** @param {Axis} axis */
@@ -255,7 +297,7 @@ const chartFont = () => getComputedStyle(document.body).fontFamily;
 
 function restyle(figure) {
   const { paper, ink, soft, faint } = theme.palette;
-  const text = { text_color: ink, text_font_size: `${0.82 * rootFontSize()}px`, text_font: chartFont() };
+  const text = { text_color: ink, text_font_size: `${AXIS_TEXT * rootFontSize()}px`, text_font: chartFont() };
   const under = (part) => Object.fromEntries(Object.entries(text).map(([name, value]) => [`${part}_${name}`, value]));
   figure.setv({
     background_fill_color: paper,

@@ -11,6 +11,7 @@
  * @property {number} dy px down
  * @property {boolean} leader whether a line leads to the point
  * @property {Colour} color
+ * @property {PlacedLabel[]} [elsewhere] where it may stand as well, if it would lie on others here
  */
 
 const LABEL = ["x", "y", "text", "anchor", "x_offset", "y_offset", "text_color"];
@@ -40,12 +41,16 @@ function labelsWithRoom(labels, projection) {
     // What stands on the edge may be rounded to either side of it.
     return across > left - 1 && across < right + 1 && down > top - 1 && down < bottom + 1;
   };
-  const taken = [];
-  return labels.filter(isInView).map((label) => {
+  const inside = (label) => {
     const box = labelBox(label, projection);
     const dx = label.dx + inwards(box.left, box.right, left, right);
     return { ...label, dx, dy: label.dy + inwards(box.top, box.bottom, top, bottom) };
-  }).filter((label) => {
+  };
+  const fixed = labels.filter((label) => !label.elsewhere && isInView(label)).map((label) => labelBox(inside(label), projection));
+  const isFree = (label) => !fixed.some((other) => boxesOverlap(labelBox(label, projection), other));
+  const free = ({ elsewhere = [], ...label }) => [label, ...elsewhere].map(inside).find(isFree) ?? inside(label);
+  const taken = [];
+  return labels.filter(isInView).map((label) => (label.elsewhere ? free(label) : inside(label))).filter((label) => {
     const box = labelBox(label, projection);
     const hasRoom = !taken.some((other) => boxesOverlap(box, other));
     if (hasRoom) taken.push(box);

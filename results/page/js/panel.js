@@ -150,13 +150,16 @@ class Panel {
     });
   }
 
-  /** The amplitude looked at, at the right end of its line. */
+  /** The amplitude looked at, at the right end of its line, or where it covers no other label. */
   amplitudeLabel(factors) {
     const { view: { frame }, description: { spans = [] } } = this;
     const line = spans.find((span) => span.by_amplitude);
     if (!line || !frame) return [];
-    const point = { x: this.chart.figure.x_range.end, y: frame.amplitude * factors.y };
-    return [placed({ ...point, text: frame.name, color: line.style.color }, [0, "bottom_right", -4, -3, 0])];
+    const { start, end } = this.chart.figure.x_range;
+    const ways = [[end, "bottom_right", -4, -3], [end, "top_right", -4, 3], [start, "bottom_left", 4, -3], [start, "top_left", 4, 3]];
+    const label = { y: frame.amplitude * factors.y, text: frame.name, color: line.style.color };
+    const [first, ...elsewhere] = ways.map(([x, ...spot]) => placed({ ...label, x }, [0, ...spot, 0]));
+    return [{ ...first, elsewhere }];
   }
 
   /** What is shown, in the units shown: a row a point. */

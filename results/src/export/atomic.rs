@@ -59,12 +59,15 @@ pub fn write_atomically(path: &Path, bytes: &[u8]) -> Result<(), ExportError> {
     partial.finish()
 }
 
+/// What the folder of the branches is called.
+pub(super) const BRANCHES: &str = "branches/";
+
 /// The folder of the branches in `dir`.
 ///
 /// # Errors
 /// If it cannot be made.
 pub(super) fn branches_folder(dir: &Path) -> Result<PathBuf, ExportError> {
-    let folder = dir.join("branches");
+    let folder = dir.join(BRANCHES);
     fs::create_dir_all(&folder).map_err(|source| failed(&folder, source))?;
     Ok(folder)
 }

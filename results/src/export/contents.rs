@@ -2,6 +2,7 @@
 
 mod run;
 
+use super::listed;
 use super::value::{Group, Record, Value};
 use crate::overview::Overview;
 use crate::overview::{Omissions, detail, unfinished};
@@ -82,10 +83,15 @@ impl<'r> Contents<'r> {
             self.model(&mut rest.group("model"), model);
         }
         run::levels(&mut rest.group("levels"), self.overview);
-        if let Some(backbone) = backbone.flatten() {
+        let backbone = backbone.flatten();
+        let further = omissions.take("Further backbones are", further(self.reader)).unwrap_or_default();
+        let all: Vec<&BackboneMessage> = backbone.iter().chain(&further).collect();
+        let monitors = self.overview.model.as_ref().map(monitors).unwrap_or_default();
+        let lists = listed::all(self.reader, self.overview, &all, &monitors, omissions);
+        if let Some(backbone) = backbone {
             self.backbone(&mut rest.group("backbone"), backbone, BACKBONE, omissions);
         }
-        for backbone in omissions.take("Further backbones are", further(self.reader)).unwrap_or_default() {
+        for backbone in further {
             let (name, owner) = (format!("backbone_{}", backbone.mode + 1), further_owner(backbone.mode));
             self.backbone(&mut rest.group(&name), backbone, &owner, omissions);
         }
@@ -94,6 +100,9 @@ impl<'r> Contents<'r> {
             run::modes(&mut rest.group("modes"), &modes);
         }
         run::branches(&mut rest.group("branches"), self.overview);
+        for list in lists {
+            list.add(&mut rest.group(list.name));
+        }
         // Now everything that is missing is known.
         record.group("run").add("missing", omissions.sentences().cloned().collect::<Vec<String>>());
         record.0.append(&mut rest.0);

@@ -4,6 +4,8 @@ mod atomic;
 mod contents;
 mod csv_columns;
 mod files;
+mod list;
+mod listed;
 mod mat;
 mod npz;
 mod table;
@@ -13,8 +15,8 @@ mod value;
 
 use crate::overview::{Omissions, Overview};
 use crate::store::{Reader, StoreError};
-use atomic::branches_folder;
 pub use atomic::write_atomically;
+use atomic::{BRANCHES, branches_folder};
 use contents::Contents;
 use std::path::{Path, PathBuf};
 use thiserror::Error;
@@ -33,7 +35,7 @@ pub fn words() -> impl Iterator<Item = (&'static str, &'static str)> {
 /// Format of exported files.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum Format {
-    /// summary.csv, backbone.csv, windows.csv, branches/*.csv.
+    /// Tables: summary.csv, backbone.csv, windows.csv, folds.csv, events.csv, …, branches/*.csv.
     #[default]
     Csv,
     /// For MATLAB and Octave, with all harmonics: run.mat, branches/*.mat.
@@ -74,20 +76,40 @@ pub enum ExportError {
     },
 }
 
+/// What was written into a folder.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Written {
+    /// The folder.
+    pub folder: PathBuf,
+    /// How many periods of the force the motions last that it is of, if it is not of the run's first order.
+    pub order: Option<usize>,
+    /// Names of the files in it, that of the folder of branches last.
+    pub files: Vec<String>,
+}
+
+/// What an export has written, and what it has not.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Exported {
+    /// Folder by folder.
+    pub written: Vec<Written>,
+    /// What could not be written because it is not there or not what was stored.
+    pub omissions: Omissions,
+}
+
 /// Writes what is stored of a run, at any stage, into folder `dir`, and reports what could not be written because it is
 /// not there or not what was stored.
 ///
 /// # Errors
 /// If nothing of the run can be read or a file cannot be written; files are complete or not there.
-pub fn export(reader: &Reader, format: Format, dir: &Path) -> Result<Omissions, ExportError> {
+pub fn export(reader: &Reader, format: Format, dir: &Path) -> Result<Exported, ExportError> {
     let mut omissions = Omissions::default();
     omissions.check(reader);
-    each_order(reader, dir, &mut omissions, |reader, dir, omissions| match format {
+    let written = each_order(reader, dir, &mut omissions, |reader, dir, omissions| match format {
         Format::Csv => files::write(reader, dir, omissions),
         Format::Mat => records(reader, dir, omissions, mat::EXTENSION, mat::write),
         Format::Npz => records(reader, dir, omissions, npz::EXTENSION, npz::write),
     })?;
-    Ok(omissions)
+    Ok(Exported { written, omissions })
 }
 
 /// Name of the folder that has what is made of a further order of motions, beside what is made of the first one: `m3`.
@@ -96,17 +118,20 @@ pub fn order_folder(order: usize) -> String {
 }
 
 /// Writes what every order of motions has, each as a run of its own: of the first into `dir`, of others into folders in it.
+/// `write` says which files it has written.
 fn each_order(
     reader: &Reader,
     dir: &Path,
     omissions: &mut Omissions,
-    write: impl Fn(&Reader, &Path, &mut Omissions) -> Result<(), ExportError>,
-) -> Result<(), ExportError> {
-    write(reader, dir, omissions)?;
+    write: impl Fn(&Reader, &Path, &mut Omissions) -> Result<Vec<String>, ExportError>,
+) -> Result<Vec<Written>, ExportError> {
+    let mut written = vec![Written { folder: dir.into(), order: None, files: write(reader, dir, omissions)? }];
     for order in omissions.read("Which orders of motions there are is", reader.further_orders()).unwrap_or_default() {
-        write(&reader.of_order(order)?, &dir.join(order_folder(order)), omissions)?;
+        let folder = dir.join(order_folder(order));
+        let files = write(&reader.of_order(order)?, &folder, omissions)?;
+        written.push(Written { folder, order: Some(order), files });
     }
-    Ok(())
+    Ok(written)
 }
 
 /// Writes the CSV files, as [`export`] does, of a run that was open for writing until now and was checked then.
@@ -119,14 +144,14 @@ pub fn csv(reader: &Reader, dir: &Path) -> Result<Omissions, ExportError> {
     Ok(omissions)
 }
 
-/// Writes a file for the run and one for every branch.
+/// Writes a file for the run and one for every branch, and says what they are called.
 fn records(
     reader: &Reader,
     dir: &Path,
     omissions: &mut Omissions,
     extension: &str,
     write: impl Fn(&Path, &str, &Record) -> Result<(), ExportError>,
-) -> Result<(), ExportError> {
+) -> Result<Vec<String>, ExportError> {
     let _snapshot = reader.snapshot()?;
     let overview = Overview::read(reader, omissions)?;
     let folder = branches_folder(dir)?;
@@ -137,5 +162,7 @@ fn records(
             None => Ok(()),
         }
     })?;
-    write(dir, &format!("run.{extension}"), &contents.run(omissions))
+    let name = format!("run.{extension}");
+    write(dir, &name, &contents.run(omissions))?;
+    Ok(vec![name, BRANCHES.into()])
 }

@@ -3,6 +3,7 @@
 mod damage;
 mod documents;
 mod kinds;
+mod lists;
 mod modes;
 mod records;
 

@@ -108,6 +108,16 @@ impl Unit {
     }
 }
 
+/// Whether any of these points lies between axes across and up or, of a line through them, what is between two of them may.
+pub fn in_sight((x, y): (&Axis, &Axis), points: &[(f64, f64)], is_line: bool) -> bool {
+    let between = |ends: &[(f64, f64)]| {
+        ends.iter().all(|(across, up)| !across.is_nan() && !up.is_nan())
+            && x.is_met_by(ends.iter().map(|end| end.0))
+            && y.is_met_by(ends.iter().map(|end| end.1))
+    };
+    points.iter().any(|(across, up)| x.shows(*across) && y.shows(*up)) || is_line && points.windows(2).any(between)
+}
+
 /// Largest finite number; 0 if there is none.
 pub fn largest(values: impl IntoIterator<Item = f64>) -> f64 {
     values.into_iter().filter(|value| value.abs() < ABSURD).fold(0.0, f64::max)
@@ -171,6 +181,18 @@ mod tests {
             [true, true, false, false]
         );
         assert!(axis.shows(2.0) && !axis.shows(2.1) && !axis.shows(f64::NAN));
+    }
+
+    #[test]
+    fn a_line_may_cross_a_frame_that_none_of_its_points_is_in() {
+        let axis = Axis::exact("", Unit::none(), (1.0, 2.0));
+        let seen = |points: &[(f64, f64)], is_line| in_sight((&axis, &axis), points, is_line);
+        let across = [(0.0, 1.5), (3.0, 1.5)];
+        assert_eq!([seen(&across, true), seen(&across, false)], [true, false]);
+        assert!(seen(&[(1.5, 1.5)], false));
+        // Neither beside the frame nor across a gap.
+        assert!(!seen(&[(3.0, 0.0), (4.0, 3.0)], true));
+        assert!(!seen(&[(0.0, 1.5), (f64::NAN, f64::NAN), (3.0, 1.5)], true));
     }
 
     #[test]

@@ -1,5 +1,6 @@
 //! Isola map: the thresholds along the backbones, where windows are born and merge, and what every level has.
 
+use super::axis::in_sight;
 use super::column_store::ColumnStore;
 use super::data::{Axis, Direction, Entry, Figure, Kind, Label, Measure, Panel, Series, Side, Size, Span, Unit};
 use super::folds::{CUSPS, MARKS, event_label, explained};
@@ -29,7 +30,7 @@ const TOGETHER: (f64, f64) = (100.0, 30.0);
 const SHARE: f64 = 0.5;
 const HEIGHT: f64 = 330.0;
 
-/// Follows the name of a curve that lies beside what is shown.
+/// Follows the name of what lies beside all that is shown.
 const BEYOND: &str = " (beyond these frequencies)";
 
 /// The figure.
@@ -56,12 +57,11 @@ pub fn figure(
     let thresholds = shown().chain(primary().filter(|_| !is_any)).map(|(_, omega)| omega);
     let x = Axis::around("", Unit::none(), frequencies(subject, &y, thresholds));
 
-    let mut drawing = Drawing { series: Vec::new(), legend: Vec::new(), store };
+    let mut drawing = Drawing { series: Vec::new(), legend: Vec::new(), store, frame: (&x, &y) };
     let curve = Style::line(Color::Ink, MEDIUM);
     let whose = if subject.further.is_empty() { "the backbone".into() } else { format!("mode {}", backbone.mode + 1) };
-    let is_in_sight = points(backbone).any(|(threshold, omega)| x.shows(omega) && y.shows(threshold));
-    let beside = if is_in_sight { "" } else { BEYOND };
-    drawing.name(&format!("threshold A* of {whose}{beside}"), curve.clone());
+    let places: Vec<(f64, f64)> = points(backbone).map(|(threshold, omega)| (omega, threshold)).collect();
+    drawing.name(&format!("threshold A* of {whose}"), curve.clone(), &places);
     drawing.of_the_amplitude();
     let thin = (TOGETHER.0 / subject.levels.len().max(1) as f64).min(SHARE * HEIGHT * apart(subject, &y));
     let (thin, levels) = (thin.max(0.5 * FINE), subject.levels.len().max(1) as f64);
@@ -96,7 +96,7 @@ pub fn figure(
     drawing.bars("windows pending", shade, pending.map(|(value, window)| (value, window.omega)));
 
     drawing.folds(subject, &y);
-    drawing.further(subject, (&x, &y));
+    drawing.further(subject, &y);
 
     let threshold = Series {
         name: vec!["backbone".into()],
@@ -158,11 +158,15 @@ struct Drawing<'s> {
     series: Vec<Series>,
     legend: Vec<Entry>,
     store: &'s mut ColumnStore,
+    /// Axes across and up.
+    frame: (&'s Axis, &'s Axis),
 }
 
 impl Drawing<'_> {
-    fn name(&mut self, text: &str, style: Style) {
-        self.legend.push(Entry::new(text, Kind::Line, style));
+    /// Names what lies at these places, and says so if that is beside what is shown.
+    fn name(&mut self, text: &str, style: Style, places: &[(f64, f64)]) {
+        let beside = if in_sight(self.frame, places, style.width > 0.0) { "" } else { BEYOND };
+        self.legend.push(Entry::new(format!("{text}{beside}"), Kind::Line, style));
     }
 
     /// What is drawn of the forcing amplitude looked at, where one is chosen.
@@ -180,14 +184,12 @@ impl Drawing<'_> {
     }
 
     /// Thresholds of further modes that come onto the axis of A.
-    fn further(&mut self, subject: &Subject<'_>, (x, y): (&Axis, &Axis)) {
+    fn further(&mut self, subject: &Subject<'_>, y: &Axis) {
         let is_shown = |further: &&BackboneCurve| y.is_met_by(further.threshold.values.iter().copied());
         let curve =
             |further| points(further).map(|(threshold, omega)| (omega, threshold)).chain([(f64::NAN, f64::NAN)]);
-        let curves: Vec<(f64, f64)> = subject.further.iter().filter(is_shown).flat_map(curve).collect();
-        let is_in_sight = curves.iter().any(|(omega, threshold)| x.shows(*omega) && y.shows(*threshold));
-        let name = format!("threshold A* of further modes{}", if is_in_sight { "" } else { BEYOND });
-        self.points(&name, Style::line(Color::Ink, FINE), curves.into_iter());
+        let curves = subject.further.iter().filter(is_shown).flat_map(curve);
+        self.points("threshold A* of further modes", Style::line(Color::Ink, FINE), curves);
     }
 
     /// Fold curves.
@@ -213,11 +215,12 @@ impl Drawing<'_> {
     }
 
     fn points(&mut self, name: &str, style: Style, points: impl Iterator<Item = (f64, f64)>) {
-        let (x, y): (Vec<f64>, Vec<f64>) = points.unzip();
-        if x.is_empty() {
+        let places: Vec<(f64, f64)> = points.collect();
+        if places.is_empty() {
             return;
         }
-        self.name(name, style.clone());
+        self.name(name, style.clone(), &places);
+        let (x, y): (Vec<f64>, Vec<f64>) = places.into_iter().unzip();
         let (x, y) = (vec![self.store.exact(x)], vec![self.store.exact(y)]);
         self.series.push(Series { x, y, style, ..Series::default() });
     }

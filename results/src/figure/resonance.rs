@@ -8,6 +8,8 @@ use super::data::{
 use super::style::{Color, FINE, MARK, MEDIUM, Shape, Style};
 use super::subject::Subject;
 use crate::curves::Resonance;
+use crate::overview::{BranchRow, Level};
+use solver::response::branch::BranchKind;
 use solver::response::windows::{Event, EventKind};
 
 /// Levels that span more than so many decades are shown logarithmically.
@@ -158,6 +160,14 @@ fn at_least(color: Color) -> Style {
 fn curves<'s>(subject: &Subject<'s>) -> Vec<ResonanceCurve<'s>> {
     let resonance = subject.resonance;
     let line = |category| Style::line(Color::Category(category), MEDIUM);
+    let peaks = || subject.levels.iter().filter_map(Level::peak).filter(|peak| peak.kind != BranchKind::Main.name());
+    // What branches off another response may be larger than any isola.
+    let found =
+        match (peaks().all(BranchRow::is_isola), subject.levels.iter().any(|level| level.isolas().next().is_some())) {
+            (true, _) => "with isolas",
+            (false, true) => "with isolas and others",
+            (false, false) => "with other branches",
+        };
     let circles = line(0).with_dash(2).with_marker(Shape::Circle, 0.9 * MARK, true);
     let curves = [
         ResonanceCurve {
@@ -166,7 +176,7 @@ fn curves<'s>(subject: &Subject<'s>) -> Vec<ResonanceCurve<'s>> {
             style: line(2).with_dash(1),
         },
         ResonanceCurve {
-            name: "with isolas".into(),
+            name: found.into(),
             resonance: &resonance.isolas,
             style: line(1).with_marker(Shape::Square, MARK, false),
         },

@@ -2,6 +2,7 @@
 
 mod window;
 
+use super::axis::in_sight;
 use super::bands::bands;
 use super::coincidence::Coincidence;
 use super::column_store::ColumnStore;
@@ -125,7 +126,8 @@ impl<'r> Outline<'r> {
     /// The figure with the backbone alone.
     pub fn figure(&self, backbone: Option<&BackboneColumns>) -> Figure {
         let (across, up) = (self.frequencies(), self.amplitudes());
-        let backbones = backbone.map_or(0, |_| 1 + further_within(self.subject, (&across, &up)).count());
+        let of_further = backbone.map_or(0, |_| further_within(self.subject, (&across, &up)).count());
+        let backbones = of_further + usize::from(backbone.is_some() && self.has_backbone_in_sight((&across, &up)));
         let panel = Panel {
             about: "Forced response: amplitude over frequency. Arrow keys go from point to point, Enter selects one.",
             size: Size::Tall,
@@ -146,6 +148,16 @@ impl<'r> Outline<'r> {
             legend: self.legend(backbones, &panel.x[0]),
             panels: vec![panel],
         }
+    }
+
+    /// Whether the backbone comes into the frame, as the page shows it at first, of any of the monitored dofs.
+    fn has_backbone_in_sight(&self, (across, up): (&Axis, &[Axis])) -> bool {
+        let Some(backbone) = self.subject.backbone else { return false };
+        let across = across.at_first();
+        backbone.amplitude.iter().zip(up).any(|(amplitude, up)| {
+            let points = backbone.omega.values.iter().copied().zip(amplitude.values.iter().copied());
+            in_sight((&across, &up.at_first()), &points.collect::<Vec<_>>(), true)
+        })
     }
 
     fn legend(&self, backbones: usize, frequencies: &Axis) -> Vec<Entry> {

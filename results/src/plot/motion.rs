@@ -5,7 +5,7 @@ use super::sheet::Sheet;
 use crate::curves::{Curve, MarchedPeriod, largest, marched};
 use crate::error::Error;
 use crate::figure::{ColumnStore, motion_drawn, motion_marched, motion_template};
-use crate::overview::{BranchRow, verified_result};
+use crate::overview::{BranchRow, Omissions, Overview, verified_result};
 use crate::report::Report;
 use crate::store::Reader;
 use crate::summary_table::FrequencyUnit;
@@ -26,7 +26,7 @@ pub fn sheet(
     unit: FrequencyUnit,
 ) -> Result<Sheet, Error> {
     let (row, amplitude, index) = match at {
-        Some(text) => named(report, text)?,
+        Some(text) => named(report, reader, text)?,
         None => highest(report)?,
     };
     let model = reader.verified_model()?.model().map_err(|error| reader.corrupt(error))?;
@@ -89,7 +89,7 @@ impl Index {
 }
 
 /// The point that `A/branch/index` names, with its forcing amplitude as typed in the study.
-fn named<'s>(report: &'s Report, text: &str) -> Result<(&'s BranchRow, &'s str, Index), Error> {
+fn named<'s>(report: &'s Report, reader: &Reader, text: &str) -> Result<(&'s BranchRow, &'s str, Index), Error> {
     let usage =
         || Error::Usage(format!("--at {text}: write A/branch/index, like \"20/isola 1/43\" or \"20/main/peak\""));
     let parts: Vec<&str> = text.split('/').map(str::trim).collect();
@@ -101,13 +101,32 @@ fn named<'s>(report: &'s Report, text: &str) -> Result<(&'s BranchRow, &'s str, 
     let summary = &report.overview.levels[level(&report.overview.levels, "--at", amplitude)?];
     let names: Vec<String> = summary.branches.iter().map(BranchRow::name).collect();
     let known = if names.is_empty() { "nothing yet".into() } else { names.join(", ") };
-    let unknown = || Error::Usage(format!("--at {text}: A = {} has no such branch, but {known}", summary.amplitude));
+    let unknown = || {
+        let other = of_another_order(reader, (amplitude, branch));
+        let other = other.map_or_else(String::new, |order| format!("; there is one of order {order}: --order {order}"));
+        Error::Usage(format!("--at {text}: A = {} has no such branch, but {known}{other}", summary.amplitude))
+    };
     let row = summary.branches.iter().find(|row| row.name() == branch).ok_or_else(unknown)?;
     let index = match index {
         "peak" => Index::Peak,
         digits => Index::Point(digits.parse().map_err(|_| usage())?),
     };
     Ok((row, &summary.amplitude, index))
+}
+
+/// Another order of motions of the run that has a branch, given by its level and name.
+fn of_another_order(reader: &Reader, (amplitude, branch): (&str, &str)) -> Option<usize> {
+    let first = Reader::open(reader.dir()).ok()?;
+    let own = first.model().ok()?.forcing_harmonic;
+    let further = first.further_orders().ok()?;
+    let has_it = |order: usize| {
+        let other = if order == own { Reader::open(reader.dir()) } else { first.of_order(order) };
+        let overview = Overview::read(&other.ok()?, &mut Omissions::default()).ok()?;
+        let place = level(&overview.levels, "--at", amplitude).ok()?;
+        overview.levels[place].branches.iter().any(|row| row.name() == branch).then_some(order)
+    };
+    let told_of = reader.order().unwrap_or(own);
+    std::iter::once(own).chain(further).filter(|order| *order != told_of).find_map(has_it)
 }
 
 /// The highest isola, else the highest branch that does not leave through both ends of the frequencies, else the highest of all.

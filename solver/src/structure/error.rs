@@ -307,6 +307,8 @@ impl ModelError {
     pub fn unknown<'a>(place: Place, what: &str, name: &str, known: impl IntoIterator<Item = &'a str>) -> Self {
         /// More names than this are not shown.
         const SHOWN: usize = 12;
+        /// So many letters of a law may be wrong, missing, too many or exchanged.
+        const SLIP: usize = 2;
         let mut seen = HashSet::new();
         let known = known.into_iter().filter(|known| seen.insert(*known));
         let mut known: Vec<(f64, &str)> = known.map(|k| (similarity(name, k), k)).collect();
@@ -315,7 +317,12 @@ impl ModelError {
             .filter(|(similarity, _)| *similarity > 0.7)
             .max_by(|a, b| a.0.total_cmp(&b.0))
             .map(|(_, name)| *name);
-        let nearest = meant(name).filter(|_| what == "law").or(nearest);
+        // What differs by a slip of the finger is what was meant, whatever words are in it.
+        let slip = || {
+            let near = known.iter().map(|(_, known)| (strsim::damerau_levenshtein(name, known), *known));
+            near.filter(|(letters, _)| *letters <= SLIP).min_by_key(|(letters, _)| *letters).map(|(_, known)| known)
+        };
+        let nearest = if what == "law" { slip().or_else(|| meant(name)).or(nearest) } else { nearest };
         let more = known.len().saturating_sub(SHOWN);
         if more > 0 {
             known.sort_by(|a, b| b.0.total_cmp(&a.0));

@@ -95,6 +95,8 @@ fn unknown_keys_and_names() {
     let below = "dof = \"blade.r\"\namplitudes = [1]";
     refused("dof = \"blade.r\"", below, &["`laws[0].amplitudes`: this belongs to a study: move it to study.toml"]);
     refused("polynomial_spring", "cubic", &["there is no law `cubic`; did you mean `polynomial_spring`?"]);
+    refused("polynomial_spring", "penality_spring", &["no law `penality_spring`; did you mean `penalty_spring`?"]);
+    refused("polynomial_spring", "jenkisn", &["there is no law `jenkisn`; did you mean `jenkins`?"]);
     refused("{ mode = 1 }", "{ node = 1 }", &["forcing.shape", "`node`", "did you mean `mode`", "`constant`"]);
     refused("coefficient = 1.0", "coeficient = 1.0", &["laws[0].law", "`coeficient`", "did you mean `coefficient`"]);
 }

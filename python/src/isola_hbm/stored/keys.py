@@ -7,7 +7,7 @@ from typing import TypeAlias
 
 from ..counted import is_same
 from .orders import SEPARATOR
-from .store import Reading, Row
+from .store import Reading, Row, Store
 from .verified import name_of
 
 #: A branch: ``"60/isola 1"``, or forcing amplitude (as typed or as a number) and name.
@@ -74,7 +74,20 @@ def missing(reading: Reading, key: object) -> str:
         return f'motions of order {order} are those of {how}, there "{level}/{name}"; this tells of another order'
     here = [name_of(row) for row in branches if _is_amplitude(amplitude, row["amplitude"], row["value"])]
     instead = f"there are {_listed(here)}" if here else there
-    return f"there is no branch `{name}` at A = {amplitude}; {instead}"
+    return f"there is no branch `{name}` at A = {amplitude}; {instead}{_elsewhere(reading, key)}"
+
+
+def _elsewhere(reading: Reading, key: object) -> str:
+    """How a branch is read that another order of motions of the run has under this name."""
+    store = reading.store
+    for order in (None, *store.orders()):
+        if order == store.order:
+            continue
+        with Store(store.file, order).read() as other:
+            if find(other, key) is not None:
+                which, how = ("the first order", "") if order is None else (f"order {order}", f", order={order}")
+                return f"; there is one of {which}: load(folder{how})"
+    return ""
 
 
 def _incomplete(key: object, branches: Sequence[Row], levels: str) -> str:

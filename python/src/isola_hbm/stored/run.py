@@ -326,7 +326,9 @@ class StoredRun(Mapping[str, Motions]):
             NoProgram: It is not there.
             ProgramFailed: It cannot read the run.
         """
-        return page(self.folder, self._store.order)
+        # Without an order the program would write the pages of all of them.
+        first = self.orders[0] if self._store.orders() else None
+        return page(self.folder, self._store.order or first)
 
     def status(self) -> str:
         """What the program says of the run, as ``isola status``: the table of all levels with what was found, why nothing is where
@@ -394,8 +396,14 @@ class StoredRun(Mapping[str, Motions]):
         """How motions of further orders are read, where this tells of the first."""
         orders = self._store.orders() if self._store.order is None else []
         folder = repr(str(self.folder))
-        told = (f"motions of {m} periods of the force: isola_hbm.load({folder}, order={m})" for m in orders)
+        told = (f"motions of {m} periods of the force{self._isolas_of(m)}: isola_hbm.load({folder}, order={m})" for m in orders)
         return "".join(f", {one}" for one in told)
+
+    def _isolas_of(self, order: int) -> str:
+        """How many isolas a further order has, if any."""
+        with Store(self._store.file, order).read() as reading:
+            kinds = reading.column("SELECT kind FROM branches WHERE kind = 'isola'")
+        return f" ({count(len(kinds), 'isola')})" if kinds else ""
 
     def _folds(self) -> dict[str, list[int]]:
         """Points at which branches turn back, by the names of these."""

@@ -11,7 +11,7 @@ fn exported(run: &Path) -> Vec<(Vec<String>, Vec<String>)> {
     let reader = Reader::open(run).unwrap();
     let of = |(format, extension)| {
         let dir = tempdir().unwrap();
-        let omissions = export(&reader, format, dir.path()).unwrap();
+        let omissions = export(&reader, format, dir.path()).unwrap().omissions;
         let rest = [".csv", ".mat", ".npz"].iter().filter(|&other| !other.ends_with(extension));
         let files = names(&dir.path().join("branches"));
         assert!(rest.into_iter().all(|other| !files.iter().any(|file| file.ends_with(other))));
@@ -108,7 +108,7 @@ fn pages_that_are_overwritten() {
         opened += 1;
         for (format, extension) in FORMATS {
             let to = tempdir().unwrap();
-            let Ok(omissions) = export(&reader, format, to.path()) else { continue };
+            let Ok(Exported { omissions, .. }) = export(&reader, format, to.path()) else { continue };
             noticed += usize::from(!omissions.damaged.is_empty());
             for file in names(&to.path().join("branches")) {
                 let same = [whole.path().join(extension), to.path().into()]
@@ -128,14 +128,14 @@ fn what_is_not_there_yet() {
     let (study, dir) = (Study::damper(), tempdir().unwrap());
     let store = Store::create(&dir.path().join("new"), &study.header()).unwrap();
     for (format, _) in FORMATS {
-        let omissions = export(&store, format, &dir.path().join("files")).unwrap();
+        let omissions = export(&store, format, &dir.path().join("files")).unwrap().omissions;
         assert!(omissions.damaged.is_empty());
         assert_eq!(omissions.missing, ["There is no backbone yet, and so there are no windows and no branches."]);
     }
     let (mut store, mut sweep) = study.begin(&dir.path().join("begun"));
     assert!(sweep.step(&mut store));
     for (format, _) in FORMATS {
-        let omissions = export(&store, format, &dir.path().join("files")).unwrap();
+        let omissions = export(&store, format, &dir.path().join("files")).unwrap().omissions;
         assert!(omissions.damaged.is_empty());
         let tasks = store.counts().unwrap();
         assert_eq!(

@@ -2,7 +2,7 @@
 
 use super::{names, table};
 use crate::export::csv;
-use crate::export::files::write_events;
+use crate::export::listed::events;
 use crate::fixture::Study;
 use crate::overview::doubts;
 use crate::store::{Crossing, CurvePoint, CurveRow};
@@ -30,7 +30,7 @@ fn events_say_what_branches_do_where_they_touch() {
     let crossings = [(0, "isola 1"), (3, "main")].map(crossing).to_vec();
     let known = CurveRow { points, crossings, ..CurveRow::default() };
     let told = |curve: &CurveRow| {
-        write_events(dir.path(), std::slice::from_ref(curve), &[]).unwrap();
+        events(std::slice::from_ref(curve), &[]).write(dir.path()).unwrap();
         table(&dir.path().join("events.csv")).1[0]["outcome"].clone()
     };
     assert_eq!(told(&known), "merge");

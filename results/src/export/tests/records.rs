@@ -133,7 +133,7 @@ fn every_array_comes_back() {
     let (study, dir) = (Study::new("two_masses_stop", 3, &["0.02"]), tempdir().unwrap());
     let (store, results) = study.finished(&dir.path().join("run"));
     for format in [Format::Mat, Format::Npz] {
-        assert_eq!(export(&store, format, dir.path()).unwrap(), Omissions::default());
+        assert_eq!(export(&store, format, dir.path()).unwrap().omissions, Omissions::default());
     }
     let result = &results[0];
     let points = &result.branch.as_ref().unwrap().points;

@@ -4,7 +4,7 @@ use super::damper;
 use crate::curves::{Curve, Peak, Touch};
 use crate::figure::{Figures, Series, Shape, Style};
 use crate::fixture::Study;
-use crate::overview::Level;
+use crate::overview::{BranchRow, Level};
 use crate::report::{Report, Selection};
 use crate::store::{CurvePoint, CurveRow, Reader, WindowOutcome};
 use tempfile::tempdir;
@@ -122,6 +122,54 @@ fn curves_beyond_the_map_are_named_so() {
     backbone.omega.values.iter_mut().for_each(|omega| *omega *= 100.0);
     backbone.events.clear();
     assert_eq!(first(&report), "threshold A* of the backbone (beyond these frequencies)");
+}
+
+/// What is marked beside what the map shows is named so, and the backbone is in the legend of responses where it is in their figure.
+#[test]
+fn what_lies_beyond_a_figure_is_not_named_as_if_it_were_in_it() {
+    let dir = damper();
+    let mut report = Report::read(&Reader::open(&dir.path().join("run")).unwrap(), &Selection::All).unwrap();
+    let names = |report: &Report, figure: &str| {
+        let figure = Figures::new(&report.subject()).drawn.remove(figure).unwrap();
+        figure.legend.into_iter().map(|entry| entry.text).collect::<Vec<String>>()
+    };
+    assert!(names(&report, "response").contains(&"backbone".into()));
+    let point = |event: &str, omega| CurvePoint {
+        forcing: 5e-3,
+        omega,
+        amplitude: 1.0,
+        event: Some(event.into()),
+        ..CurvePoint::default()
+    };
+    // Cusps do not say what the map is about.
+    let curve = |omega| vec![CurveRow { points: vec![point("cusp", omega)], ..CurveRow::default() }];
+    let inside = report.overview.levels[1].isolas().next().unwrap().omega_at_max;
+    let name = "cusps, computed (two folds meet)";
+    for (omega, expected) in [(inside, name.to_string()), (1e3, format!("{name} (beyond these frequencies)"))] {
+        report.curves = curve(omega);
+        let names = names(&report, "map");
+        assert!(names.contains(&expected), "{names:?}");
+    }
+    report.backbone.as_mut().unwrap().omega.values.iter_mut().for_each(|omega| *omega *= 100.0);
+    assert!(!names(&report, "response").contains(&"backbone".into()));
+}
+
+/// The largest response may be of a branch that branches off.
+#[test]
+fn what_else_is_found_is_called_what_it_is() {
+    let dir = damper();
+    let mut report = Report::read(&Reader::open(&dir.path().join("run")).unwrap(), &Selection::All).unwrap();
+    let second = |report: &Report| {
+        let figure = Figures::new(&report.subject()).drawn.remove("resonance").unwrap();
+        figure.legend.into_iter().find(|entry| entry.text.starts_with("with ")).unwrap().text
+    };
+    assert_eq!(second(&report), "with isolas");
+    let isola = |report: &Report| report.overview.levels[1].isolas().next().unwrap().clone();
+    let larger = BranchRow { kind: "branched".into(), amplitude_max: 1e3, ..isola(&report) };
+    report.overview.levels[1].branches.push(larger);
+    assert_eq!(second(&report), "with isolas and others");
+    report.overview.levels.iter_mut().for_each(|level| level.branches.retain(|branch| branch.kind != "isola"));
+    assert_eq!(second(&report), "with other branches");
 }
 
 /// Fold curves go along the gap where something begins to touch.
