@@ -99,11 +99,7 @@ fn caption(known: &Known, Units { length, frequency }: Units) -> String {
         _ => String::new(),
     };
     let unit = known.model.as_ref().and_then(unit_of_forcing).map_or_else(String::new, |unit| format!(", A in {unit}"));
-    // Of one alone there is nothing to tell it from.
-    let of = match &known.monitors[..] {
-        [first, _, ..] => format!(" of {first}"),
-        _ => String::new(),
-    };
+    let of = monitors::of_first(&known.monitors);
     format!("Largest amplitudes{of} in {length}, frequencies in {frequency}{force}{unit}:")
 }
 

@@ -1,7 +1,7 @@
 //! Lengths, and texts with frequencies in them, in the unit that whoever reads them chooses.
 
 use crate::summary_table::{FrequencyUnit, LengthUnit};
-use crate::words::{digits, frequency, in_both_units, length, range};
+use crate::words::{digits, frequency, further_digits, in_both_units, length, range};
 use serde::Serialize;
 
 /// A length with four digits in a unit that was chosen or, without one, in that in which it is read best.
@@ -30,8 +30,10 @@ pub fn range_first_in((low, high): (f64, f64), first: FrequencyUnit) -> String {
     match first {
         FrequencyUnit::RadianPerSecond => range((low, high)),
         FrequencyUnit::Hertz => {
-            let [a, b] = [low, high].map(|omega| digits(omega, 4));
-            format!("{} and {} Hz ({a} and {b} rad/s)", hertz(low), hertz(high))
+            let more = further_digits(low, high, 4);
+            let [a, b] = [low, high].map(|omega| digits(omega, 4 + more));
+            let [low, high] = [low, high].map(|omega| digits(FrequencyUnit::Hertz.factor() * omega, 5 + more));
+            format!("{low} and {high} Hz ({a} and {b} rad/s)")
         }
     }
 }

@@ -36,10 +36,20 @@ pub fn in_both_units(omega: f64) -> String {
     format!("{} rad/s, {} Hz", digits(omega, 5), digits(omega / TAU, 4))
 }
 
+/// Most digits that a narrow range gets beyond those of others.
+const FURTHER: i32 = 6;
+
 /// Two frequencies: `2451.2 and 2496.6 rad/s (390.1 and 397.3 Hz)`.
 pub fn range((low, high): (f64, f64)) -> String {
-    let hertz = |omega| digits(omega / TAU, 4);
-    format!("{} and {} rad/s ({} and {} Hz)", digits(low, 5), digits(high, 5), hertz(low), hertz(high))
+    let more = further_digits(low, high, 5);
+    let told = |omega| digits(omega, 5 + more);
+    let hertz = |omega| digits(omega / TAU, 4 + more);
+    format!("{} and {} rad/s ({} and {} Hz)", told(low), told(high), hertz(low), hertz(high))
+}
+
+/// How many digits more than so many tell two numbers apart, as far as that is sensible.
+pub(crate) fn further_digits(low: f64, high: f64, count: i32) -> i32 {
+    (0..FURTHER).find(|more| digits(low, count + more) != digits(high, count + more)).unwrap_or(0)
 }
 
 /// Modes, from 0, by their numbers from 1: `mode 1`, `modes 1 and 3`, `modes 1, 3 and 5 to 9`.

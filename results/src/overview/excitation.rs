@@ -113,7 +113,7 @@ impl Excitation {
         let pushed = known.iter().filter_map(|motion| Some((motion.mode, motion.fed_from?)));
         if let Some((mode, (amplitude, omega))) = pushed.min_by(|(_, a), (_, b)| a.0.total_cmp(&b.0)) {
             return Some(format!(
-                "Pushed to motions of mode {} of about {} at {} and beyond, the structure can vibrate by itself, without forcing: there the \
+                "Pushed just beyond motions of mode {} of about {} at {}, the structure can vibrate by itself, without forcing: there the \
                  nonlinear forces feed in more energy than the damping takes. Such motions have a period of their own and are not listed.",
                 mode + 1,
                 length(amplitude),

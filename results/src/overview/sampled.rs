@@ -17,10 +17,10 @@ pub fn sampled(levels: &[Level]) -> Option<String> {
         several => format!("of {several} branches {points} each"),
     });
     let of_peaks = points(&peaks).map(|points| match (peaks.len(), whole.is_empty()) {
-        (1, true) => format!("around the peak of one branch {points}"),
-        (1, false) => format!("around the peak of another one {points}"),
-        (several, true) => format!("around the peaks of {several} branches {points} each"),
-        (several, false) => format!("around the peaks of {several} others {points} each"),
+        (1, true) => format!("around the largest response of one branch {points}"),
+        (1, false) => format!("around the largest response of another branch, {points}"),
+        (several, true) => format!("around the largest responses of {several} branches {points} each"),
+        (several, false) => format!("around the largest responses of {several} others {points} each"),
     });
     let told: Vec<String> = of_whole.into_iter().chain(of_peaks).collect();
     (!told.is_empty()).then(|| {
@@ -56,12 +56,18 @@ mod tests {
         assert_eq!(told(&[None]), None);
         let (isola, main, none) = ((true, Some(22)), (false, Some(3)), (false, None));
         assert!(
-            of(&[main, none]).unwrap().starts_with("Around the peak of one branch 3 points were looked at, not all")
+            of(&[main, none])
+                .unwrap()
+                .starts_with("Around the largest response of one branch 3 points were looked at, not all")
         );
-        assert!(of(&[main, main]).unwrap().starts_with("Around the peaks of 2 branches 3 points each were"));
+        assert!(
+            of(&[main, main]).unwrap().starts_with("Around the largest responses of 2 branches 3 points each were")
+        );
         let both = of(&[isola, main, main, main]).unwrap();
         assert!(
-            both.starts_with("Of one branch 22 points, and around the peaks of 3 others 3 points each were"),
+            both.starts_with(
+                "Of one branch 22 points, and around the largest responses of 3 others 3 points each were"
+            ),
             "{both}"
         );
     }

@@ -11,15 +11,31 @@ struct Gain<'r> {
     level: &'r Level,
     isola: &'r BranchRow,
     main: &'r BranchRow,
+    /// Whether twice the harmonics, or time marching, confirm the isola.
+    is_confirmed: bool,
+    /// Whether the main branch is known to its ends.
+    is_whole: bool,
 }
 
 impl Gain<'_> {
     fn ratio(&self) -> f64 {
         self.isola.amplitude_max / self.main.amplitude_max
     }
+
+    /// How the answer begins, and what is said to follow main branches.
+    fn begins(&self) -> [&'static str; 2] {
+        let has_moved = |row: &BranchRow| !around_largest(row)[1].is_empty();
+        match self.is_confirmed {
+            false => ["Perhaps, unless the isola is an artefact of too few harmonics", "ordinary continuation"],
+            true if has_moved(self.isola) || has_moved(self.main) => {
+                ["As far as these harmonics tell, yes", "ordinary continuation"]
+            }
+            true => ["Yes", "it"],
+        }
+    }
 }
 
-impl Evidence<'_> {
+impl<'r> Evidence<'r> {
     /// Whether it would have missed an isola, and by how much that goes up farther.
     pub(super) fn missed(&self) -> String {
         if self.has_nothing() {
@@ -38,43 +54,52 @@ impl Evidence<'_> {
         if self.is_further {
             return "All of it: ordinary continuation follows motions of a shorter period.".into();
         }
-        let mut known = self.with_isolas().flat_map(Level::isolas).filter(|isola| !is_unmatched(isola));
-        let is_any_confirmed = known.next().is_some();
-        let counts = |isola: &&BranchRow| !is_any_confirmed || !is_unmatched(isola);
-        let gains = self.with_isolas().filter_map(|level| {
+        match self.largest_gain() {
+            None => "Ordinary continuation has no main branch to compare the isolas with: see the account.".into(),
+            Some(gain) => self.compared(&gain) + &self.farther(&gain),
+        }
+    }
+
+    /// Where an isola goes up farthest beyond the main branch: of isolas that are confirmed and of main branches known to their ends, if there
+    /// are such.
+    fn largest_gain(&self) -> Option<Gain<'r>> {
+        let gain = |level: &'r Level, isola: &'r BranchRow| {
             let main = level.main().filter(|main| main.amplitude_max > 0.0)?;
-            Some(Gain { level, isola: highest(level.isolas().filter(counts))?, main })
-        });
-        let of_whole = gains.clone().filter(|gain| self.has_whole_main(gain.level));
-        let largest = |a: &Gain<'_>, b: &Gain<'_>| a.ratio().total_cmp(&b.ratio());
-        let Some(gain) = of_whole.max_by(largest) else {
-            return match gains.max_by(largest) {
-                None => "Ordinary continuation has no main branch to compare the isolas with: see the account.".into(),
-                Some(Gain { level, isola, main }) => format!(
-                    "The isolas, yes; by how much is not known: at A = {} the main branch goes up to at least {}{}, an isola \
-                     up to {} at {}.",
-                    level.amplitude,
-                    self.length(main.amplitude_max),
-                    around_largest(main)[1],
-                    self.size(isola),
-                    self.frequency(isola.omega_at_max)
-                ),
-            };
+            let (is_confirmed, is_whole) = (!is_unmatched(isola), self.has_whole_main(level));
+            Some(Gain { level, isola, main, is_confirmed, is_whole })
         };
-        let Gain { level, isola, main } = &gain;
-        let (stops, goes) = (
-            format!("{} at {}", self.size(main), self.frequency(main.omega_at_max)),
-            format!("{} at {}{}", self.size(isola), self.frequency(isola.omega_at_max), self.stable_part(isola)),
-        );
+        let all = self.with_isolas().flat_map(|level| level.isolas().map(move |isola| (level, isola)));
+        let gains = all.filter_map(|(level, isola)| gain(level, isola)).filter(|gain| gain.ratio().is_finite());
+        let order = |a: &Gain<'_>, b: &Gain<'_>| {
+            let of = |gain: &Gain<'_>| (gain.is_confirmed, gain.is_whole);
+            of(a).cmp(&of(b)).then(a.ratio().total_cmp(&b.ratio()))
+        };
+        gains.max_by(order)
+    }
+
+    fn compared(&self, gain: &Gain<'_>) -> String {
+        let (Gain { level, isola, main, is_whole, .. }, [yes, who], ratio) = (gain, gain.begins(), gain.ratio());
         let amplitude = &level.amplitude;
-        let yes = if is_any_confirmed { "Yes" } else { "Perhaps, if it is no artefact of too few harmonics" };
-        let answer = match gain.ratio() {
+        let goes = format!("{} at {}{}", self.size(isola), self.frequency(isola.omega_at_max), self.stable_part(isola));
+        if !is_whole {
+            let stops = format!("{}{}", self.length(main.amplitude_max), around_largest(main)[1]);
+            let all = match (ratio >= 1.0, yes) {
+                (false, _) => format!("{yes}, the isolas, but not the largest response"),
+                (true, "Yes") => "The isolas, yes; by how much is not known".into(),
+                (true, _) => format!("{yes}; by how much is not known"),
+            };
+            return format!(
+                "{all}: at A = {amplitude} the main branch goes up to at least {stops}, an isola up to {goes}."
+            );
+        }
+        let stops = format!("{} at {}", self.size(main), self.frequency(main.omega_at_max));
+        match ratio {
             ratio if ratio >= 2.0 => format!(
-                "{yes}. At A = {amplitude} it goes up to {stops}, an isola up to {goes}, {} times as much.",
+                "{yes}. At A = {amplitude} {who} goes up to {stops}, an isola up to {goes}, {} times as much.",
                 digits(ratio, 2)
             ),
             ratio if ratio >= 1.0 => format!(
-                "{yes}. At A = {amplitude} it goes up to {stops}, an isola up to {goes}, {:.0} % more.",
+                "{yes}. At A = {amplitude} {who} goes up to {stops}, an isola up to {goes}, {:.0} % more.",
                 (ratio - 1.0) * 100.0
             ),
             ratio => format!(
@@ -82,18 +107,30 @@ impl Evidence<'_> {
                  up to {goes}, {:.0} % less.",
                 (1.0 - ratio) * 100.0
             ),
-        };
-        let branched = level.others().filter(|row| row.kind == BranchKind::Branched.name());
-        let higher = isola.amplitude_max.max(main.amplitude_max);
-        let larger = highest(branched).filter(|row| row.amplitude_max > higher).map_or_else(String::new, |row| {
+        }
+    }
+
+    /// What goes up farther than isola and main branch at their level.
+    fn farther(&self, gain: &Gain<'_>) -> String {
+        let higher = gain.isola.amplitude_max.max(gain.main.amplitude_max);
+        let is_farther = |row: &&BranchRow| row.amplitude_max > higher;
+        let place = |row: &BranchRow| format!("{} at {}", self.size(row), self.frequency(row.omega_at_max));
+        let isola = highest(gain.level.isolas().filter(|isola| gain.is_confirmed && is_unmatched(isola)));
+        let unconfirmed = isola.filter(is_farther).map(|row| {
             format!(
-                " Larger still is {} there, up to {} at {}, which branches off another response: continuation that does not switch \
-                 branches misses it.",
-                row.name(),
-                self.size(row),
-                self.frequency(row.omega_at_max)
+                " Farther still, up to {}, goes an isola there that twice the harmonics do not confirm.",
+                place(row)
             )
         });
-        answer + &larger
+        let branched = gain.level.others().filter(|row| row.kind == BranchKind::Branched.name());
+        let branched = highest(branched).filter(is_farther).map(|row| {
+            format!(
+                " Farther still goes {} there, up to {}, which branches off another response: continuation that does not switch \
+                 branches misses it.",
+                row.name(),
+                place(row)
+            )
+        });
+        unconfirmed.into_iter().chain(branched).collect()
     }
 }

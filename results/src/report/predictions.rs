@@ -18,6 +18,11 @@ const NAMED: usize = 6;
 /// Largest forcing, in highest levels, at which an isola is born just above them.
 const JUST_ABOVE: f64 = 1.25;
 
+/// The birth at the smallest forcing.
+fn earliest_of<'e>(births: &[(&'e BackboneCurve, &'e Event)]) -> Option<(&'e BackboneCurve, &'e Event)> {
+    births.iter().copied().min_by(|(_, a), (_, b)| a.threshold.total_cmp(&b.threshold))
+}
+
 impl Evidence<'_> {
     /// That there is no isola at the levels, and the first birth between them or else just above them, if fold curves have one.
     pub(super) fn no_isola(&self) -> String {
@@ -27,27 +32,35 @@ impl Evidence<'_> {
             (highest..=JUST_ABOVE * highest).contains(&birth.forcing) && is_within(self.bounds, birth.omega)
         };
         let none = format!("{} where it was looked for", self.none());
+        let undecided = undecided(self.levels);
         let at = |birth: &CurvePoint| {
             let forcing = forcing_label(birth, 5);
             format!("at A = {forcing} ({}{})", self.in_both_units(birth.omega), truncation_doubt(&[birth]))
         };
         match &born_between(self.levels, self.curves, self.bounds)[..] {
-            [only] => format!("{none}, but along fold curves one is born between two of the levels, {}.", at(only)),
+            [only] => {
+                format!("{none}{undecided}, but along fold curves one is born between two of the levels, {}.", at(only))
+            }
             [first, .., last] => format!(
-                "{none}, but along fold curves isolas are born between levels, the first {}, the last {}.",
+                "{none}{undecided}, but along fold curves isolas are born between levels, the first {}, the last {}.",
                 at(first),
                 at(last)
             ),
             [] => match births.iter().find(is_above) {
                 Some(birth) => {
-                    format!("{none}, but along fold curves one is born just above the highest level, {}.", at(birth))
+                    format!(
+                        "{none}{undecided}, but along fold curves one is born just above the highest level, {}.",
+                        at(birth)
+                    )
                 }
                 None => match parted_between(self.curves, self.levels).first() {
                     Some(life) => {
                         let (from, to) = (forcing_label(life.from, 5), forcing_label(life.to, 5));
-                        format!("{none}, but along fold curves one is there between levels, from A = {from} to {to}.")
+                        format!(
+                            "{none}{undecided}, but along fold curves one is there between levels, from A = {from} to {to}."
+                        )
                     }
-                    None => format!("{none}{}.", undecided(self.levels)),
+                    None => format!("{none}{undecided}."),
                 },
             },
         }
@@ -82,8 +95,7 @@ impl Evidence<'_> {
         };
         let (separate, others): (Vec<_>, Vec<_>) = births.partition(is_separate);
         let told = |threshold: f64| told_threshold(threshold, self.levels.iter().map(|level| level.value));
-        let first = separate.into_iter().min_by(|(_, a), (_, b)| a.threshold.total_cmp(&b.threshold));
-        let Some((backbone, birth)) = first else {
+        let Some((_, birth)) = earliest_of(&separate) else {
             let highest = self.levels.iter().map(|level| level.value).fold(0.0, f64::max);
             let earliest = others.iter().filter(|other| (other.1.threshold..highest).contains(&barrier(other)));
             let earliest = earliest.min_by(|(_, a), (_, b)| a.threshold.total_cmp(&b.threshold));
@@ -96,7 +108,8 @@ impl Evidence<'_> {
                 // They are there at any forcing.
                 String::new()
             } else if self.with_isolas().next().is_some() {
-                format!("; the energy balance of {mode} has no birth of theirs{}", self.found_otherwise())
+                let whose = if self.is_one_isola() { "of it" } else { "of theirs" };
+                format!("; the energy balance of {mode} has no birth {whose}{}", self.found_otherwise())
             } else if self.levels.iter().any(|level| level.not_found().chain(level.passed()).next().is_some()) {
                 // What it predicts and was not found is among the details.
                 String::new()
@@ -106,18 +119,30 @@ impl Evidence<'_> {
                 )
             };
         };
-        let mode = words::modes(&[backbone.mode]);
-        let omega = backbone.omega.values[birth.index];
-        let near = format!("{}{}", self.frequency(omega), beyond(self.bounds, omega));
-        if backbone.feeds_itself(birth.index) {
-            return format!(
-                "; the energy balance of {mode} predicts separate responses at any forcing, near {near}, where the \
-                 nonlinear forces feed in as much energy as the damping takes"
-            );
-        }
-        let (threshold, to) = (told(birth.threshold), barrier(&(backbone, birth)));
         let highest = self.levels.iter().map(|level| level.value).fold(0.0, f64::max);
-        let to = if to < highest { format!("to {}", told(to)) } else { "on".into() };
+        // Each mode has its own.
+        let of_mode = |backbone: &BackboneCurve| {
+            let own: Vec<_> = separate.iter().copied().filter(|(other, _)| other.mode == backbone.mode).collect();
+            let (_, birth) = earliest_of(&own)?;
+            let omega = backbone.omega.values[birth.index];
+            let near = format!("{}{}", self.frequency(omega), beyond(self.bounds, omega));
+            let to = own.iter().map(barrier).fold(0.0, f64::max);
+            let to = if to < highest { format!("to {}", told(to)) } else { "on".into() };
+            let range = match backbone.feeds_itself(birth.index) {
+                true => format!(
+                    "at any forcing, near {near}, where the nonlinear forces feed in as much energy as the damping takes"
+                ),
+                false => format!("from A = {} {to}, near {near}", told(birth.threshold)),
+            };
+            Some((birth.threshold, words::modes(&[backbone.mode]), range))
+        };
+        let mut by_mode: Vec<(f64, String, String)> = self.backbones().filter_map(of_mode).collect();
+        by_mode.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let all = by_mode.iter().enumerate().map(|(i, (_, mode, range))| match i {
+            0 => format!("; the energy balance of {mode} predicts separate responses {range}"),
+            _ => format!("; that of {mode} {range}"),
+        });
+        let all: String = all.collect();
         // Windows that are born and merge between levels, or below them, are seen at none.
         let earlier = others.into_iter().filter(|other| other.1.threshold < birth.threshold.min(barrier(other)));
         let earliest = earlier.min_by(|(_, a), (_, b)| a.threshold.total_cmp(&b.threshold));
@@ -125,9 +150,7 @@ impl Evidence<'_> {
             let (from, to) = (told(earliest.1.threshold), told(barrier(&earliest)));
             format!(" and already from A = {from} to {to}, where the run has no level")
         });
-        format!(
-            "; the energy balance of {mode} predicts separate responses from A = {threshold} {to}, near {near}{earlier}"
-        )
+        all + &earlier
     }
 
     /// Births and merges of the energy balance among the levels, which is an estimate of what fold curves compute.
@@ -168,7 +191,8 @@ impl Evidence<'_> {
             Origin::Balance => "from seeds of its windows",
         };
         let ways: Vec<&str> = origins.iter().map(way).collect();
-        if ways.is_empty() { String::new() } else { format!(": they were found {}", ways.join(" and ")) }
+        let they_were = if self.is_one_isola() { "it was" } else { "they were" };
+        if ways.is_empty() { String::new() } else { format!(": {they_were} found {}", ways.join(" and ")) }
     }
 
     /// Windows that led to no branch: those where fold curves have an isola born at a larger forcing, birth by birth, those in whose

@@ -123,6 +123,11 @@ impl<'r> Evidence<'r> {
         self.stage == Some(Stage::Finished) && self.levels.iter().all(|level| level.pending == 0)
     }
 
+    /// Whether there is one isola in all.
+    pub(super) fn is_one_isola(&self) -> bool {
+        self.levels.iter().flat_map(Level::isolas).count() == 1
+    }
+
     /// How it is said that there is no isola.
     pub(super) fn none(&self) -> &'static str {
         if self.is_over() { "No isola was found" } else { "No isola has been found so far" }
@@ -333,7 +338,8 @@ impl<'r> Evidence<'r> {
             };
             format!(" At A = {} none was found any more{goes_up}.", level.amplitude)
         });
-        format!("Isolas were found {}{prediction}.{computed}{}", found.join(", and "), end.unwrap_or_default())
+        let isolas = if self.is_one_isola() { "An isola was" } else { "Isolas were" };
+        format!("{isolas} found {}{prediction}.{computed}{}", found.join(", and "), end.unwrap_or_default())
     }
 
     /// Which frequencies and modes were looked at, what was looked for, and what was not.
@@ -348,7 +354,7 @@ impl<'r> Evidence<'r> {
 }
 
 /// What stands before the other answers where the first begins with the truncation.
-const NOT_CONVERGED: &str = "Not converged in H (see the first answer).";
+const NOT_CONVERGED: &str = "Not all is converged in H (see the first answer).";
 
 /// What is said of an order of motions of which nothing was found.
 pub(super) const NOTHING: &str = "No such motion was found where it was looked for";

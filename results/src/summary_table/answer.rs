@@ -1,6 +1,7 @@
 //! What is said above the table: what its reader has to know first, whether there are isolas, the largest response, and what is doubtful.
 
 use super::known::Known;
+use super::monitors::of_first;
 use super::units::Units;
 use super::{search, stability};
 use crate::overview::{
@@ -20,21 +21,21 @@ const TOLD: f64 = 1e-3;
 pub(super) fn answer(known: &Known, units: Units) -> Vec<String> {
     let levels = known.levels();
     (search::excitation(known, units).into_iter())
-        .chain(
-            isolas(levels).or_else(|| search::no_isola(known, units.frequency)).map(|found| found + &detached(levels)),
-        )
-        .chain(largest(levels, units))
-        .chain(stability::sentence(levels, units, is_told(levels)))
-        .chain(unstable_peak_sentence(levels, !known.motions.is_empty()))
-        .chain(known.doubts.as_deref().map(|doubts| format!("{}.", capitalised(doubts))))
         .chain(unfinished(levels, !known.awaits_backbones))
-        .chain(turned_sliding(levels))
+        .chain(known.doubts.as_deref().map(|doubts| format!("{}.", capitalised(doubts))))
         .chain(
             truncation_of(known.model.as_ref(), levels, known.settings.as_ref(), known.is_further, |omega| {
                 units.frequency.told(omega)
             })
             .filter(|said| asks_for_harmonics(said)),
         )
+        .chain(
+            isolas(levels).or_else(|| search::no_isola(known, units.frequency)).map(|found| found + &detached(levels)),
+        )
+        .chain(largest(levels, &known.monitors, units))
+        .chain(stability::sentence(levels, units, is_told(levels)))
+        .chain(unstable_peak_sentence(levels, !known.motions.is_empty()))
+        .chain(turned_sliding(levels))
         .collect()
 }
 
@@ -60,7 +61,12 @@ fn isolas(levels: &[Level]) -> Option<String> {
         1 => String::new(),
         count => format!("{} of {count} levels, ", with.len()),
     };
-    Some(format!("{found}{so_far} at {share}A = {list}{doubt}."))
+    let is_undecided = |level: &Level| level.isolas().next().is_none() && level.has_undecided();
+    let others = match levels.iter().filter(|level| is_undecided(level)).count() {
+        0 => "",
+        _ => " What is cut or unfinished at others may be one.",
+    };
+    Some(format!("{found}{so_far} at {share}A = {list}{doubt}.{others}"))
 }
 
 /// That what is detached need not be closed.
@@ -81,7 +87,7 @@ fn is_told(levels: &[Level]) -> bool {
 }
 
 /// The largest response, and whether it is stable.
-fn largest(levels: &[Level], units: Units) -> Option<String> {
+fn largest(levels: &[Level], monitors: &[String], units: Units) -> Option<String> {
     let size = |amplitude| format!("{} {}", units.length.digits(amplitude), units.length);
     let rate = |omega| units.frequency.told(omega);
     let rows = levels.iter().flat_map(|level| level.peak().map(|row| (level, row)));
@@ -107,7 +113,8 @@ fn largest(levels: &[Level], units: Units) -> Option<String> {
     let stable =
         largest_stable_sentence(levels, size, rate).map_or_else(String::new, |sentence| format!(" {sentence}"));
     let larger = passed_over_sentence(levels, size).map_or_else(String::new, |sentence| format!(" {sentence}"));
-    Some(format!("Largest computed response: {place}{stability}{stable}{larger}"))
+    let of = of_first(monitors);
+    Some(format!("Largest computed response{of}: {place}{stability}{stable}{larger}"))
 }
 
 #[cfg(test)]
@@ -190,7 +197,7 @@ mod tests {
             let certificate = Certificate { elsewhere, ..Certificate::default() };
             BranchRow { peak_standing: Some(Standing::AtLeast), certificate, ..row("main", 1.0, None) }
         };
-        let told = |branches| largest(&[level("1", branches)], Units::default()).unwrap();
+        let told = |branches| largest(&[level("1", branches)], &[], Units::default()).unwrap();
         let moved = |share| Some(Change { omega: 1.0, share });
         for converged in [None, moved(Some(1e-3))] {
             assert!(
@@ -211,7 +218,11 @@ mod tests {
     #[test]
     fn the_largest_response_and_whether_it_is_stable() {
         let told = |verdict| {
-            largest(&[level("1", vec![row("main", 1.0, Some("stable")), row("isola", 2.0, verdict)])], Units::default())
+            largest(
+                &[level("1", vec![row("main", 1.0, Some("stable")), row("isola", 2.0, verdict)])],
+                &[],
+                Units::default(),
+            )
         };
         let begins = "Largest computed response: 2.0000 m at 2.00000 rad/s, on isola 1 at A = 1";
         assert_eq!(
@@ -224,9 +235,9 @@ mod tests {
         assert!(told(Some("none")).unwrap().contains("time marching came to no periodic motion near it"));
         let mut exact = row("isola", 2.0, Some("stable"));
         exact.stability.as_mut().unwrap().peak.as_mut().unwrap().at = Some((2.0, 2.0001));
-        let said = largest(&[level("1", vec![exact])], Units::default()).unwrap();
+        let said = largest(&[level("1", vec![exact])], &[], Units::default()).unwrap();
         assert_eq!(said, format!("{begins}, stable by time marching."));
-        assert_eq!(largest(&[Level::default()], Units::default()), None);
+        assert_eq!(largest(&[Level::default()], &[], Units::default()), None);
     }
 
     /// Nobody meets what is pressed together for ever, and falls apart at a touch.
@@ -236,7 +247,7 @@ mod tests {
             let known = Stability { is_whole, stable, unstable: 0.5, ..Stability::default() };
             BranchRow { stability: Some(known), ..row("open", 9.0, None) }
         };
-        let told = |branches| largest(&[level("1", branches)], Units::default()).unwrap();
+        let told = |branches| largest(&[level("1", branches)], &[], Units::default()).unwrap();
         let main = || row("main", 1.0, Some("stable"));
         let said = told(vec![main(), open(true, 0.0)]);
         assert!(said.starts_with("Largest computed response: 1.0000 m at"), "{said}");

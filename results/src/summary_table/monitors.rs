@@ -7,6 +7,14 @@ use crate::store::{BranchRow, Reader, Result};
 /// Monitored dofs that are named.
 const NAMED: usize = 4;
 
+/// Whose amplitudes are meant where no dof is named: of one alone there is nothing to tell it from.
+pub(super) fn of_first(names: &[String]) -> String {
+    match names {
+        [first, _, ..] => format!(" of {first}"),
+        _ => String::new(),
+    }
+}
+
 /// How far one of them moves at most.
 pub(super) struct Largest {
     name: String,

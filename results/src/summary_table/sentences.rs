@@ -29,7 +29,12 @@ fn numbers(known: &Known, units: Units) -> Vec<String> {
     let truncation =
         truncation_of(model, levels, known.settings.as_ref(), known.is_further, |omega| units.frequency.told(omega));
     (is_at_least.then(|| meaning.into()).into_iter())
-        .chain(known.shown().any(|level| level.others().next().is_none() && is_on_main(level)).then(|| OF_MAIN.into()))
+        .chain(
+            known
+                .shown()
+                .any(|level| level.others().next().is_none() && !level.has_undecided() && is_on_main(level))
+                .then(|| OF_MAIN.into()),
+        )
         .chain((more > 0).then(|| format!("... and {more} more levels: see summary.csv")))
         .chain(monitors::sentence(&known.others, units))
         .chain(model.and_then(undetermined).map(|place| format!("Note: {place}.")))

@@ -349,7 +349,7 @@ fn what_the_structure_does_of_itself() {
     let pushed =
         of(Unforced { mode: 0, linear: 1.0, nonlinear: 0.0, is_fed_at_rest: false, fed_from: Some((8e-4, 100.0)) });
     let [danger, ..] = told(&levels, |evidence| evidence.backbone = Some(&pushed));
-    let by_itself = "Pushed to motions of mode 1 of about 0.8 mm at 100 rad/s (15.92 Hz) and beyond, the structure can vibrate by itself";
+    let by_itself = "Pushed just beyond motions of mode 1 of about 0.8 mm at 100 rad/s (15.92 Hz), the structure can vibrate by itself";
     assert!(danger.starts_with(by_itself), "{danger}");
 }
 

@@ -165,7 +165,7 @@ fn windows_that_no_level_sees_apart_are_told() {
     let said = onset_beside(&births[..1], &[isola(2e-3)]);
     let alone = " predicts separate responses from A = 0.003 to 0.0055 alone, where the run has no level";
     assert!(said.contains(alone), "{said}");
-    assert!(onset_beside(&[], &[isola(2e-3)]).contains("has no birth of theirs"));
+    assert!(onset_beside(&[], &[isola(2e-3)]).contains("has no birth of it"));
     let said = onset(&births);
     assert!(said.contains("predicts separate responses from A = 0.004 on, near "), "{said}");
     assert!(said.contains(" and already from A = 0.003 to 0.0055, where the run has no level"), "{said}");
