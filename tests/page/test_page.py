@@ -25,7 +25,7 @@ def test_every_figure_is_drawn(run, browser, width, height, scheme):
             assert all(colours(chart) > EMPTY for chart in charts), figure
         assert page.get_by_text("cannot be shown").count() == 0
         assert page.evaluate("document.documentElement.scrollWidth") <= width
-        assert page.locator("#verdict > div > p").count() == 3 and page.locator("#verdict details").count() == 1
+        assert page.locator("#verdict > div > p:not(.lost)").count() == 3 and page.locator("#verdict details").count() == 1
         assert page.locator("#missing").is_hidden()
         assert "0.9481 mm" in page.locator("#verdict").inner_text()
 
@@ -184,7 +184,8 @@ def test_what_is_lost_comes_before_answers(run, browser, tmp_path, width):
     isola("report", folder)
     with report(browser, folder, viewport={"width": width, "height": 900}) as page:
         answers = [card.locator("p").all_inner_texts() for card in page.locator("#verdict > div").all()]
-        assert [answer[0] for answer in answers] == ["Not all is known. The run was cancelled.", *2 * ["Not all is known (cancelled)."]]
+        expected = ["Not all is known. The run was cancelled.", *2 * ["Not all is known (cancelled)."]]
+        assert all(answer[0].startswith(start) for answer, start in zip(answers, expected, strict=True)), answers
         assert page.locator("#verdict p.lost").first.is_visible()
 
 
