@@ -43,27 +43,7 @@ impl Doubts {
         doubts
     }
 
-    /// What follows `isolas`; which of several ones are meant is told `elsewhere`.
-    pub fn clause(self, elsewhere: &str) -> String {
-        match self.unconfirmed {
-            0 if self.unmatched == 0 => String::new(),
-            0 if self.unmatched < self.all => {
-                format!(", some of which twice the harmonics do not confirm{elsewhere}")
-            }
-            0 if self.all == 1 => ", which twice the harmonics do not confirm".into(),
-            0 => ", none of which twice the harmonics confirm".into(),
-            some if self.unmatched > some => format!(
-                ", some of which may be artefacts of too few harmonics and others are not confirmed by twice as many{elsewhere}"
-            ),
-            some if some < self.all => {
-                format!(", some of which may be artefacts of too few harmonics{elsewhere}")
-            }
-            _ if self.all == 1 => ", which may be an artefact of too few harmonics".into(),
-            _ => ", all of which may be artefacts of too few harmonics".into(),
-        }
-    }
-
-    /// The same in a sentence, after one about the isolas.
+    /// What is said of it after a sentence about the isolas.
     pub fn sentence(self) -> Option<&'static str> {
         match self.unconfirmed {
             0 if self.unmatched == 0 => None,
@@ -121,18 +101,14 @@ mod tests {
         let artefact = looked_for(isola(None, marched("none", 0.0)));
         let unmatched = looked_for(isola(None, None));
         let confirmed = looked_for(isola(Some(1.0), None));
-        let told = |rows: &[&BranchRow]| {
-            let doubts = Doubts::about(rows.iter().copied());
-            (doubts.clause(" (see the table)"), doubts.sentence().unwrap_or_default())
-        };
-        assert_eq!(told(&[&confirmed]), (String::new(), ""));
-        let (clause, sentence) = told(&[&artefact]);
-        assert_eq!(clause, ", which may be an artefact of too few harmonics");
-        assert_eq!(sentence, "It may be an artefact of too few harmonics.");
-        assert_eq!(told(&[&unmatched]).1, "Twice the harmonics do not confirm it.");
-        assert_eq!(told(&[&unmatched; 2]).1, "Twice the harmonics confirm none of these isolas.");
-        assert!(told(&[&artefact, &confirmed]).0.ends_with("too few harmonics (see the table)"));
-        assert!(told(&[&artefact, &unmatched]).1.ends_with("others are not confirmed by twice as many."));
-        assert_eq!(told(&[&unmatched, &confirmed]).1, "Twice the harmonics do not confirm all of these isolas.");
+        let told = |rows: &[&BranchRow]| Doubts::about(rows.iter().copied()).sentence();
+        assert_eq!(told(&[&confirmed]), None);
+        assert_eq!(told(&[&artefact]), Some("It may be an artefact of too few harmonics."));
+        assert_eq!(told(&[&artefact; 2]), Some("All of these isolas may be artefacts of too few harmonics."));
+        assert_eq!(told(&[&unmatched]), Some("Twice the harmonics do not confirm it."));
+        assert_eq!(told(&[&unmatched; 2]), Some("Twice the harmonics confirm none of these isolas."));
+        assert_eq!(told(&[&artefact, &confirmed]), Some("Some of these isolas may be artefacts of too few harmonics."));
+        assert!(told(&[&artefact, &unmatched]).unwrap().ends_with("others are not confirmed by twice as many."));
+        assert_eq!(told(&[&unmatched, &confirmed]), Some("Twice the harmonics do not confirm all of these isolas."));
     }
 }

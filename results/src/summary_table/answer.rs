@@ -54,7 +54,8 @@ fn isolas(levels: &[Level]) -> Option<String> {
         many => format!("{} to {}", many[0].amplitude, many[many.len() - 1].amplitude),
     };
     let branches = || with.iter().flat_map(|level| level.isolas());
-    let (all, doubt) = (branches().count(), Doubts::about(branches()).clause(" (see the table)"));
+    let (all, doubt) = (branches().count(), Doubts::about(branches()).sentence());
+    let doubt = doubt.map(|doubt| format!(" {doubt}")).unwrap_or_default();
     let found = if all == 1 { "An isola was found" } else { "Isolas were found" };
     let so_far = if levels.iter().all(Level::is_complete) { "" } else { " so far" };
     let share = match levels.len() {
@@ -66,7 +67,7 @@ fn isolas(levels: &[Level]) -> Option<String> {
         0 => "",
         _ => " What is cut or unfinished at others may be one.",
     };
-    Some(format!("{found}{so_far} at {share}A = {list}{doubt}.{others}"))
+    Some(format!("{found}{so_far} at {share}A = {list}.{doubt}{others}"))
 }
 
 /// That what is detached need not be closed.
@@ -170,11 +171,12 @@ mod tests {
         let unconfirmed = || row("isola", 2.0, Some("none"));
         let confirmed = || row("isola", 2.0, Some("stable"));
         let told = |branches| isolas(&[level("1", branches)]).unwrap();
-        assert!(told(vec![unconfirmed()]).ends_with(", which may be an artefact of too few harmonics."));
+        assert!(told(vec![unconfirmed()]).ends_with(" It may be an artefact of too few harmonics."));
         assert!(
-            told(vec![unconfirmed(), unconfirmed()]).ends_with(", all of which may be artefacts of too few harmonics.")
+            told(vec![unconfirmed(), unconfirmed()])
+                .ends_with(" All of these isolas may be artefacts of too few harmonics.")
         );
-        assert!(told(vec![unconfirmed(), confirmed()]).contains(", some of which may be"));
+        assert!(told(vec![unconfirmed(), confirmed()]).contains(" Some of these isolas may be artefacts"));
     }
 
     /// Where time marching cannot tell, or was not asked, that twice the harmonics have no such isola is said where it is told.
@@ -183,10 +185,13 @@ mod tests {
         let lost = |verdict| BranchRow { peak_standing: Some(Standing::At), ..row("isola", 2.0, verdict) };
         let told = |branches| isolas(&[level("1", branches)]).unwrap();
         for verdict in [None, Some("not_comparable")] {
-            assert!(told(vec![lost(verdict)]).ends_with(", which twice the harmonics do not confirm."));
+            assert!(told(vec![lost(verdict)]).ends_with(" Twice the harmonics do not confirm it."));
         }
-        assert!(told(vec![lost(None), lost(None)]).ends_with(", none of which twice the harmonics confirm."));
-        assert!(told(vec![lost(None), row("isola", 2.0, None)]).contains(", some of which twice the harmonics do not"));
+        assert!(told(vec![lost(None), lost(None)]).ends_with(" Twice the harmonics confirm none of these isolas."));
+        assert!(
+            told(vec![lost(None), row("isola", 2.0, None)])
+                .contains(" Twice the harmonics do not confirm all of these isolas.")
+        );
     }
 
     /// A largest response where a branch ends is a lower bound only of what has converged; and where another branch goes on, one there may

@@ -11,8 +11,7 @@ use crate::overview::{
 };
 
 /// What windows say in rows that list nothing beside the main branch.
-const OF_MAIN: &str =
-    "Windows found in a row without isolas are on its main branch, which the energy balance predicts as well.";
+const OF_MAIN: &str = "Windows found in a row that lists a main peak alone are on its main branch, which the energy balance predicts as well.";
 
 /// All of them.
 pub(super) fn all(known: &Known, units: Units) -> Vec<String> {
@@ -29,12 +28,7 @@ fn numbers(known: &Known, units: Units) -> Vec<String> {
     let truncation =
         truncation_of(model, levels, known.settings.as_ref(), known.is_further, |omega| units.frequency.told(omega));
     (is_at_least.then(|| meaning.into()).into_iter())
-        .chain(
-            known
-                .shown()
-                .any(|level| level.others().next().is_none() && !level.has_undecided() && is_on_main(level))
-                .then(|| OF_MAIN.into()),
-        )
+        .chain(known.shown().any(|level| level.others().next().is_none() && is_on_main(level)).then(|| OF_MAIN.into()))
         .chain((more > 0).then(|| format!("... and {more} more levels: see summary.csv")))
         .chain(monitors::sentence(&known.others, units))
         .chain(model.and_then(undetermined).map(|place| format!("Note: {place}.")))
