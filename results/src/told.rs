@@ -30,10 +30,11 @@ pub fn range_first_in((low, high): (f64, f64), first: FrequencyUnit) -> String {
     match first {
         FrequencyUnit::RadianPerSecond => range((low, high)),
         FrequencyUnit::Hertz => {
-            let more = further_digits(low, high, 4);
+            let [first, last] = [low, high].map(|omega| FrequencyUnit::Hertz.factor() * omega);
+            let more = further_digits(low, high, 4).max(further_digits(first, last, 5));
             let [a, b] = [low, high].map(|omega| digits(omega, 4 + more));
-            let [low, high] = [low, high].map(|omega| digits(FrequencyUnit::Hertz.factor() * omega, 5 + more));
-            format!("{low} and {high} Hz ({a} and {b} rad/s)")
+            let [first, last] = [first, last].map(|hertz| digits(hertz, 5 + more));
+            format!("{first} and {last} Hz ({a} and {b} rad/s)")
         }
     }
 }

@@ -41,7 +41,7 @@ const FURTHER: i32 = 6;
 
 /// Two frequencies: `2451.2 and 2496.6 rad/s (390.1 and 397.3 Hz)`.
 pub fn range((low, high): (f64, f64)) -> String {
-    let more = further_digits(low, high, 5);
+    let more = further_digits(low, high, 5).max(further_digits(low / TAU, high / TAU, 4));
     let told = |omega| digits(omega, 5 + more);
     let hertz = |omega| digits(omega / TAU, 4 + more);
     format!("{} and {} rad/s ({} and {} Hz)", told(low), told(high), hertz(low), hertz(high))

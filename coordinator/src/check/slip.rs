@@ -57,7 +57,7 @@ impl FirstSlip<'_> {
     }
 }
 
-/// A resonance of a structure of which everything sticks.
+/// A resonance of the structure with what sticks.
 #[derive(Clone, Copy)]
 struct Resonance {
     /// Mode, from 0, of that structure.
@@ -179,8 +179,15 @@ impl<'s> Held<'s> {
             found.into_iter().map(move |(mode, omega)| Resonance { mode, omega: omega / m, is_locked })
         };
         let mut list: Vec<Resonance> = of(&stiffness, false).chain(of(&locked, true)).collect();
-        list.sort_by(|a, b| a.omega.total_cmp(&b.omega).then(a.is_locked.cmp(&b.is_locked)));
-        list.dedup_by(|a, b| (a.omega - b.omega).abs() <= 1e-9 * b.omega);
+        list.sort_by(|a, b| a.omega.total_cmp(&b.omega));
+        list.dedup_by(|a, b| {
+            let is_same = (a.omega - b.omega).abs() <= 1e-9 * b.omega;
+            // What is there without the friction is not the friction's.
+            if is_same && b.is_locked {
+                *b = *a;
+            }
+            is_same
+        });
         list
     }
 }

@@ -23,11 +23,14 @@ pub fn is_unmatched(row: &BranchRow) -> bool {
     row.is_isola() && is_lost && !row.stability.as_ref().is_some_and(is_marched)
 }
 
-/// How many of several isolas nothing confirms, where some are not confirmed.
+/// How many of some isolas are in doubt.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Doubts {
+    /// All of them.
     all: usize,
+    /// Those that are unmatched ([`is_unmatched`]).
     unmatched: usize,
+    /// Those that nothing confirms ([`is_unconfirmed`]).
     unconfirmed: usize,
 }
 

@@ -36,14 +36,15 @@ impl Unforced {
             let (before, behind) = (balance(&pair[0]), balance(&pair[1]));
             before >= 0.0 && behind < -rounding(&pair[1])
         };
-        let pairs = backbone.pieces().next()?.windows(2);
+        let piece = backbone.pieces().next()?;
+        let pairs = piece.windows(2);
         let fed_from = pairs.clone().find(begins).map(|pair| {
             let share = balance(&pair[0]) / (balance(&pair[0]) - balance(&pair[1]));
             let between = |of: fn(&BackbonePoint) -> f64| of(&pair[0]) + share * (of(&pair[1]) - of(&pair[0]));
             (between(|at| at.point.amplitude()), between(|at| at.point.omega()))
         });
-        let mut known = backbone.pieces().next()?.iter().filter(|at| balance(at).abs() > rounding(at));
-        let is_fed_at_rest = known.next().is_some_and(|at| balance(at) < 0.0);
+        let known = piece.iter().find(|at| balance(at).abs() > rounding(at));
+        let is_fed_at_rest = known.is_some_and(|at| balance(at) < 0.0);
         let fed_from = fed_from.filter(|_| lost.linear + lost.nonlinear >= 0.0 && !is_fed_at_rest);
         Some(Self { mode: backbone.mode, linear: lost.linear, nonlinear: lost.nonlinear, is_fed_at_rest, fed_from })
     }

@@ -26,7 +26,7 @@ impl Gain<'_> {
     fn begins(&self) -> [&'static str; 2] {
         let has_moved = |row: &BranchRow| !around_largest(row)[1].is_empty();
         match self.is_confirmed {
-            false => ["Perhaps, unless the isola is an artefact of too few harmonics", "ordinary continuation"],
+            false => ["Unless the isola is an artefact of too few harmonics, yes", "ordinary continuation"],
             true if has_moved(self.isola) || has_moved(self.main) => {
                 ["As far as these harmonics tell, yes", "ordinary continuation"]
             }
@@ -118,14 +118,14 @@ impl<'r> Evidence<'r> {
         let isola = highest(gain.level.isolas().filter(|isola| gain.is_confirmed && is_unmatched(isola)));
         let unconfirmed = isola.filter(is_farther).map(|row| {
             format!(
-                " Farther still, up to {}, goes an isola there that twice the harmonics do not confirm.",
+                " Farther than these two, up to {}, goes an isola there that twice the harmonics do not confirm.",
                 place(row)
             )
         });
         let branched = gain.level.others().filter(|row| row.kind == BranchKind::Branched.name());
         let branched = highest(branched).filter(is_farther).map(|row| {
             format!(
-                " Farther still goes {} there, up to {}, which branches off another response: continuation that does not switch \
+                " Farther than these two goes {} there, up to {}, which branches off another response: continuation that does not switch \
                  branches misses it.",
                 row.name(),
                 place(row)

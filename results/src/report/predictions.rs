@@ -101,6 +101,7 @@ impl Evidence<'_> {
             let earliest = earliest.min_by(|(_, a), (_, b)| a.threshold.total_cmp(&b.threshold));
             return if let Some(missed) = earliest.filter(|_| self.with_isolas().next().is_some()) {
                 let (from, to) = (told(missed.1.threshold), told(barrier(missed)));
+                let mode = words::modes(&[missed.0.mode]);
                 format!(
                     "; the energy balance of {mode} predicts separate responses from A = {from} to {to} alone, where the run has no level"
                 )
@@ -148,7 +149,12 @@ impl Evidence<'_> {
         let earliest = earlier.min_by(|(_, a), (_, b)| a.threshold.total_cmp(&b.threshold));
         let earlier = earliest.map_or_else(String::new, |earliest| {
             let (from, to) = (told(earliest.1.threshold), told(barrier(&earliest)));
-            format!(" and already from A = {from} to {to}, where the run has no level")
+            let mode = words::modes(&[earliest.0.mode]);
+            let whose = match &by_mode[..] {
+                [(_, only, _)] if *only == mode => " and".to_string(),
+                _ => format!("; that of {mode}"),
+            };
+            format!("{whose} already from A = {from} to {to}, where the run has no level")
         });
         all + &earlier
     }

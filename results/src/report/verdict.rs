@@ -58,10 +58,8 @@ pub fn verdict(evidence: &Evidence<'_>) -> [Sentence; 3] {
     let is_any = !losses.is_empty();
     let whole = is_any.then(|| format!("Not all is known. {}", sentences.join(" ")));
     let brief = is_any.then(|| format!("Not all is known ({}).", briefly.join("; ")));
-    let (first, others) = match evidence.not_converged() {
-        Some(sentence) => (Some(sentence), Some(NOT_CONVERGED.to_string())),
-        None => (None, None),
-    };
+    let first = evidence.not_converged();
+    let others = first.as_ref().map(|_| NOT_CONVERGED.to_string());
     let lead = |lost: &Option<String>, truncated: Option<String>| {
         let all: Vec<String> = lost.iter().filter(|_| is_grave).cloned().chain(truncated).collect();
         (!all.is_empty()).then(|| all.join(" "))

@@ -54,7 +54,8 @@ pub struct Stability {
     /// Whether a multiplier of some of its points has modulus 1 as far as can be told: next to folds, or all along where nothing holds
     /// the structure.
     pub is_marginal_in_parts: bool,
-    /// Number of points that were looked at, if these were not all points between the first and the last of them, or of the branch: two changes between neighbours among
+    /// Number of points that were looked at, if there are others on the branch or, where only what is around its peak was looked at, between
+    /// the first and the last of them: two changes between neighbours among
     /// them that undo each other are not seen.
     pub sampled: Option<usize>,
     /// What is near its point of largest amplitude, if that was looked at.
@@ -211,9 +212,12 @@ impl Reader {
             if orbit.is_some_and(|orbit| self.is_strayed(level, orbit).unwrap_or_default()) {
                 stability.peak = Some(PeakOrbit { verdict: verdict_name(Verdict::NoOrbitNearby).into(), at: None });
             }
-            // The orbit near it may be told of at another point.
+            // Where the motion near the peak is stable that is the largest, whatever its own point says.
             let is_stable = stability.peak.as_ref().is_some_and(|peak| peak.verdict == "stable");
-            peaks.extend(highest.filter(|_| is_stable).map(|highest| (branch, highest)));
+            match highest.filter(|_| is_stable) {
+                Some(highest) => peaks.insert(branch, highest),
+                None => peaks.remove(&branch),
+            };
             found.insert(branch, stability);
         }
         let sql = "SELECT branch, points.omega, max(points.amplitude) FROM points JOIN branches ON branches.id = branch \

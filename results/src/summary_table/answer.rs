@@ -1,4 +1,4 @@
-//! What is said above the table: what its reader has to know first, whether there are isolas, the largest response, and what is doubtful.
+//! What is said above the table: what its reader has to know first, what is doubtful, whether there are isolas, and the largest response.
 
 use super::known::Known;
 use super::monitors::of_first;

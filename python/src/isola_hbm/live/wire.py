@@ -14,7 +14,7 @@ from ..errors import Corrupt, OtherVersion
 Floats = NDArray[np.float64]
 Complexes = NDArray[np.complex128]
 
-#: Version of the messages, the ``v9`` of keys and encodings.
+#: Version of the messages, the number behind ``v`` in keys and encodings.
 VERSION = 13
 #: First chunk of every key unless told otherwise.
 NAMESPACE = "isola"

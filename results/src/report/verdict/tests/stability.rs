@@ -189,7 +189,7 @@ fn what_may_be_an_artefact_is_said_to() {
     );
     assert!(
         missed.contains(
-            "Perhaps, unless the isola is an artefact of too few harmonics. At A = 1 ordinary continuation goes up"
+            "Unless the isola is an artefact of too few harmonics, yes. At A = 1 ordinary continuation goes up"
         ),
         "{missed}"
     );
@@ -197,7 +197,7 @@ fn what_may_be_an_artefact_is_said_to() {
     assert!(danger.contains(" Some of these isolas may be artefacts of too few harmonics. "), "{danger}");
     assert!(
         missed.contains("Yes. At A = 1 it goes up to 1 mm")
-            && missed.contains(" times as much. Farther still, up to 9 mm"),
+            && missed.contains(" times as much. Farther than these two, up to 9 mm"),
         "{missed}"
     );
 }
@@ -209,7 +209,7 @@ fn what_is_larger_than_main_branch_and_isola() {
         texts(&[level(1.0, vec![main(5e-3), isola(2e-3), branched])])[2].clone()
     };
     assert!(
-        missed(6e-3).contains(" 60 % less. Farther still goes branched 1 there, up to 6 mm at "),
+        missed(6e-3).contains(" 60 % less. Farther than these two goes branched 1 there, up to 6 mm at "),
         "{}",
         missed(6e-3)
     );
