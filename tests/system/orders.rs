@@ -45,7 +45,7 @@ fn an_order_has_what_the_structure_forced_on_its_harmonic_has() {
     let table = text(&output);
     assert!(table.contains("Motions that last 3 periods of the force"), "{table}");
     // Main branches are of the first order alone, and so is what heads their column.
-    assert!(table.matches("main peak").count() == 1 && !words(&table).contains("of the response:"), "{table}");
+    assert!(table.matches("┆ main peak").count() == 1 && !words(&table).contains("of the response:"), "{table}");
     // One window, one isola, to the last bit; none of the force's own period.
     assert_eq!(isolas(&run.join("m3")), isolas(&alone)[..1]);
     assert!(isolas(&run).is_empty(), "{:?}", isolas(&run));
