@@ -5,10 +5,11 @@ use super::units::frequencies_between;
 use super::{bounds, lengths};
 use crate::study::Study;
 use protocol::session::MAX_RESULT_BYTES;
-use results::words::{count, digits, number};
+use results::words::{self, count, digits, number};
 use solver::formulation::harmonics::width;
 use solver::linalg::eigenvalues;
 use solver::settings::Settings;
+use solver::structure::laws::LawKind;
 use solver::structure::{ContactElement, Damping, Model};
 
 /// Eigenfrequencies that no structure has, rad/s: all of them below or above.
@@ -47,6 +48,7 @@ pub(super) fn warnings(study: &Study, touch: Option<&FirstTouch<'_>>) -> Vec<Str
     let mut list: Vec<String> = units.iter().cloned().collect();
     list.extend(bounds::warnings(study));
     list.extend(negative_damping(&study.model).or_else(|| indefinite_damping(&study.model)));
+    list.extend(feeding_laws(&study.model));
     list.extend(nothing_nonlinear(&study.model));
     list.extend(nothing_driven(&study.model));
     let touch = touch.filter(|touch| touch.left_out.is_empty());
@@ -95,6 +97,24 @@ fn negative_damping(model: &Model) -> Option<String> {
         format!(
             "{modes} {}: negative linear damping; unless laws take more, the structure can vibrate by itself from rest",
             list.join(", ")
+        )
+    })
+}
+
+/// Of modes that are damped, and into which linear terms of dampers feed more than that takes.
+fn feeding_laws(model: &Model) -> Option<String> {
+    let mut rates = model.damping().rates();
+    let is_damped: Vec<bool> = rates.iter().map(|rate| *rate >= 0.0).collect();
+    for element in model.elements() {
+        let LawKind::PolynomialDamper(damper) = &element.law else { continue };
+        let linear: f64 = damper.terms.iter().filter(|term| term.power == 1).map(|term| term.coefficient).sum();
+        rates.iter_mut().zip(shape(model, element)).for_each(|(rate, along)| *rate += linear * along * along);
+    }
+    let fed: Vec<usize> = (0..model.size()).filter(|&j| is_damped[j] && rates[j] < 0.0).collect();
+    (!fed.is_empty()).then(|| {
+        format!(
+            "{}: linear terms of polynomial_damper laws feed in more than the damping takes; the structure can vibrate by itself from rest",
+            words::modes(&fed)
         )
     })
 }

@@ -227,12 +227,18 @@ fn a_spring_that_pushes_away() {
 
 #[test]
 fn a_damper_that_feeds_energy_in() {
-    let damper =
-        |power| with_law(&format!("{{ polynomial_damper = {{ terms = [{{ power = {power}, coefficient = 50 }}] }} }}"));
-    let (warnings, _) = checked(&damper(2), "0.2", &[]);
+    let term = |power: usize, coefficient: f64| format!("{{ power = {power}, coefficient = {coefficient} }}");
+    let damper = |terms: &str| with_law(&format!("{{ polynomial_damper = {{ terms = [{terms}] }} }}"));
+    let (warnings, _) = checked(&damper(&term(2, 50.0)), "0.2", &[]);
     let even = "`spring`: a polynomial_damper of the even power 2 feeds energy in during half of each period";
     assert_eq!(warnings, [even]);
-    assert!(checked(&damper(3), "0.2", &[]).0.is_empty());
+    assert!(checked(&damper(&term(3, 50.0)), "0.2", &[]).0.is_empty());
+    // One percent of the critical damping, 2 ω m, is 2 N s/m.
+    let pump = |linear: f64| checked(&damper(&format!("{}, {}", term(1, linear), term(3, 50.0))), "0.2", &[]).0;
+    assert!(pump(-1.9).is_empty());
+    let feeds = "mode 1: linear terms of polynomial_damper laws feed in more than the damping takes; the structure can vibrate by itself from \
+                 rest";
+    assert_eq!(pump(-2.1), [feeds]);
 }
 
 #[test]

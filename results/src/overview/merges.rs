@@ -70,9 +70,9 @@ fn words(curves: &[CurveRow], curve: &CurveRow, merge: usize) -> Option<Told> {
     let mut parties = [first, second];
     parties.sort_by_key(Party::is_main);
     let kinds = parties.map(|party| party.kind());
-    // What is not known to its ends, or is one with its image, may be more than one branch, or less.
+    // What is not known to its ends (an isola that bounds cut, say), or is one with its image, may be more than one branch, or less.
     let is_known = |kind: &Option<BranchKind>| {
-        kind.is_some_and(|kind| !matches!(kind, BranchKind::Unfinished | BranchKind::Branched))
+        kind.is_some_and(|kind| !matches!(kind, BranchKind::Unfinished | BranchKind::Branched | BranchKind::Cut))
     };
     if !kinds.iter().all(is_known) {
         return None;
@@ -169,7 +169,7 @@ mod tests {
         assert_eq!(pair("main", "main", true), "an isola parts from the main branch");
         assert_eq!(pair("isola 1", "isola 1", false), "two isolas merge into isola 1 of A = 5.5");
         assert_eq!(pair("open 1", "main", true), "open 1 of A = 2 and the main branch exchange ends");
-        for unsure in ["branched 1", "unfinished 1", "something 1"] {
+        for unsure in ["branched 1", "unfinished 1", "cut 1", "something 1"] {
             assert_eq!(beside_level([unsure, "main"], true), None);
         }
     }

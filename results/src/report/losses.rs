@@ -7,6 +7,7 @@ use crate::overview::{Level, ends_far_beyond, ends_near};
 use crate::store::{CurvePoint, CurveRow};
 use crate::words::{count, digits, in_both_units};
 use protocol::to_everyone::Stage;
+use solver::response::branch::BranchKind;
 use solver::response::critical::CriticalKind;
 
 /// Levels that a sentence names.
@@ -77,6 +78,18 @@ pub(super) fn losses(evidence: &Evidence<'_>) -> Vec<Loss> {
         let main = format!("main branch at A = {amplitude}");
         let sentence = format!("The {main} is known only in part ({outcome}): larger responses may lie beyond.");
         list.push(Loss::grave(format!("{main} unfinished"), sentence));
+    }
+    let partial = [
+        (BranchKind::Unfinished, "unfinished", "are unfinished: whether they are detached is not known"),
+        (
+            BranchKind::Cut,
+            "cut by bounds",
+            "leave through bounds that were given: whether they are detached is not known",
+        ),
+    ];
+    for (kind, brief, what) in partial {
+        let told = evidence.of_kind(kind, what);
+        list.extend(told.map(|(branches, sentence)| Loss::grave(format!("{branches} {brief}"), sentence)));
     }
     let highest = levels.iter().map(|level| level.value).fold(f64::NEG_INFINITY, f64::max);
     for backbone in evidence.backbones() {

@@ -262,29 +262,30 @@ impl<'r> Evidence<'r> {
         self.outgrown().into_iter().chain(others).collect()
     }
 
-    /// Branches that are neither main ones nor isolas, for what they are.
+    /// Branches that are neither main ones nor isolas, for what they are; of those of which that is not known [`losses`] tell.
     fn others(&self) -> Vec<String> {
         let branched = format!("branch off other responses, {}", self.structure.lesser.than("those"));
         let kinds = [
             (BranchKind::Open, "leave through the widest bounds at both ends: detached, but not closed"),
-            (BranchKind::Cut, "leave through bounds that were given: whether they are detached is not known"),
             (BranchKind::Branched, branched.as_str()),
-            (BranchKind::Unfinished, "are unfinished: whether they are detached is not known"),
         ];
-        let sentence = |(kind, many): (BranchKind, &str)| {
-            let number = |level: &Level| level.others().filter(|row| row.kind == kind.name()).count();
-            let levels: Vec<&Level> = self.levels.iter().filter(|level| number(level) > 0).collect();
-            let branches: usize = levels.iter().map(|level| number(level)).sum();
-            let one = many
-                .replace("leave", "leaves")
-                .replace("branch off", "branches off")
-                .replace("they are", "it is")
-                .replacen("are ", "is ", 1);
-            let (list, at) = (if branches == 1 { "branch" } else { "branches" }, named(&levels));
-            let what = if branches == 1 { one.as_str() } else { many };
-            (branches > 0).then(|| format!("{branches} {list}, at {at}, {what}."))
-        };
-        kinds.into_iter().filter_map(sentence).collect()
+        kinds.into_iter().filter_map(|(kind, what)| Some(self.of_kind(kind, what)?.1)).collect()
+    }
+
+    /// `2 branches`, and in a sentence what they do, told of many.
+    pub(super) fn of_kind(&self, kind: BranchKind, many: &str) -> Option<(String, String)> {
+        let number = |level: &Level| level.others().filter(|row| row.kind == kind.name()).count();
+        let levels: Vec<&Level> = self.levels.iter().filter(|level| number(level) > 0).collect();
+        let branches: usize = levels.iter().map(|level| number(level)).sum();
+        let one = many
+            .replace("leave", "leaves")
+            .replace("branch off", "branches off")
+            .replace("they are", "it is")
+            .replacen("are ", "is ", 1);
+        let list = format!("{branches} {}", if branches == 1 { "branch" } else { "branches" });
+        let what = if branches == 1 { one.as_str() } else { many };
+        let sentence = format!("{list}, at {}, {what}.", named(&levels));
+        (branches > 0).then_some((list, sentence))
     }
 
     fn onset(&self) -> String {
@@ -334,7 +335,7 @@ impl<'r> Evidence<'r> {
             } else {
                 String::new()
             };
-            format!(" At A = {} none was found any more{goes_up}.", level.amplitude)
+            format!(" At A = {} none was found any more where it was looked for{goes_up}.", level.amplitude)
         });
         let isolas = if self.is_one_isola() { "An isola was" } else { "Isolas were" };
         format!("{isolas} found {}{prediction}.{computed}{}", found.join(", and "), end.unwrap_or_default())
