@@ -17,25 +17,33 @@ pub fn bounds(given: FrequencySettings, reach: Option<(f64, f64)>, is_further: b
     }
 }
 
-/// Which frequencies were looked at, if not those between bounds that were given: a sentence.
+/// Which frequencies were looked at, where that is known: a sentence.
 pub fn reach_sentence(
     given: FrequencySettings,
     reach: Option<(f64, f64)>,
     frequency: impl Fn(f64) -> String,
 ) -> Option<String> {
-    let (low, high) = reach.filter(|_| given.min.is_none() || given.max.is_none())?;
-    let key = match (given.min, given.max) {
-        (None, None) => "frequency.min and frequency.max give other bounds",
-        (None, _) => "frequency.min gives another lower bound",
-        _ => "frequency.max gives another upper bound",
-    };
-    let beyond = match (given.min, given.max) {
-        (None, None) => {
-            "branches and curves that lead out of there are followed, and isolas may be found beyond; others may lie there"
+    let (low, high) = given.min.zip(given.max).or(reach)?;
+    let (low, high) = (frequency(low), frequency(high));
+    Some(match (given.min, given.max) {
+        (None, None) => format!(
+            "Looked at: {low} to {high}, as the resonances suggest (frequency.min and frequency.max give other bounds); branches and curves \
+             that lead out of there are followed, and isolas may be found beyond; others may lie there."
+        ),
+        (None, Some(_)) => format!(
+            "Looked at: {low}, as the resonances suggest (frequency.min gives another lower bound), to {high}, as given; below branches may go \
+             on, and others may lie below and above."
+        ),
+        (Some(_), None) => format!(
+            "Looked at: {low}, as given, to {high}, as the resonances suggest (frequency.max gives another upper bound); above branches may go \
+             on, and others may lie below and above."
+        ),
+        (Some(_), Some(_)) => {
+            format!(
+                "Looked at: {low} to {high}, as given (frequency.min and frequency.max); others may lie below and above."
+            )
         }
-        _ => "beyond that other bound branches may go on, and others may lie there",
-    };
-    Some(format!("Looked at: {} to {}, as the resonances suggest ({key}); {beyond}.", frequency(low), frequency(high)))
+    })
 }
 
 /// Whether branches are followed at a frequency.
@@ -57,16 +65,22 @@ mod tests {
         let said = |min, max| {
             reach_sentence(FrequencySettings { min, max }, Some((0.9, 1.1)), |omega| format!("{omega} rad/s"))
         };
-        let told = |key: &str, beyond: &str| {
-            format!("Looked at: 0.9 rad/s to 1.1 rad/s, as the resonances suggest ({key}); {beyond}.")
-        };
-        let both = "branches and curves that lead out of there are followed, and isolas may be found beyond; others may lie there";
-        assert_eq!(said(None, None).unwrap(), told("frequency.min and frequency.max give other bounds", both));
-        // At the bound that was given everything ends.
-        let other = "beyond that other bound branches may go on, and others may lie there";
-        assert_eq!(said(Some(0.9), None).unwrap(), told("frequency.max gives another upper bound", other));
-        assert_eq!(said(None, Some(1.1)).unwrap(), told("frequency.min gives another lower bound", other));
-        assert_eq!(said(Some(0.9), Some(1.1)), None);
+        assert_eq!(
+            said(None, None).unwrap(),
+            "Looked at: 0.9 rad/s to 1.1 rad/s, as the resonances suggest (frequency.min and frequency.max give other bounds); branches and \
+             curves that lead out of there are followed, and isolas may be found beyond; others may lie there."
+        );
+        // At a bound that was given everything ends.
+        assert_eq!(
+            said(Some(0.8), None).unwrap(),
+            "Looked at: 0.9 rad/s, as given, to 1.1 rad/s, as the resonances suggest (frequency.max gives another upper bound); above branches \
+             may go on, and others may lie below and above."
+        );
+        let below = "Looked at: 0.9 rad/s, as the resonances suggest (frequency.min gives another lower bound), to 1.1 rad/s, as given; below \
+                     branches may go on,";
+        assert!(said(None, Some(1.1)).unwrap().starts_with(below));
+        let given = said(Some(0.8), Some(1.3)).unwrap();
+        assert!(given.starts_with("Looked at: 0.8 rad/s to 1.3 rad/s, as given (frequency.min"), "{given}");
     }
 
     #[test]

@@ -104,11 +104,12 @@ impl Excitation {
             };
             return Some(format!("{} {has} negative linear damping{so}.", capitalised(&modes(excited))));
         }
-        if let Some(fed) = known.iter().find(|motion| motion.is_fed_at_rest) {
+        let fed: Vec<usize> = known.iter().filter(|motion| motion.is_fed_at_rest).map(|motion| motion.mode).collect();
+        if !fed.is_empty() {
+            let (into, their) = (modes(&fed), if fed.len() == 1 { "its" } else { "their" });
             return Some(format!(
-                "At small amplitudes the nonlinear forces feed more energy into mode {} than its damping takes: the \
-                 structure can vibrate by itself, from rest and without forcing.",
-                fed.mode + 1
+                "At small amplitudes the nonlinear forces feed more energy into {into} than {their} damping takes: the \
+                 structure can vibrate by itself, from rest and without forcing."
             ));
         }
         let pushed = known.iter().filter_map(|motion| Some((motion.mode, motion.fed_from?)));
@@ -159,6 +160,19 @@ mod tests {
         assert!(undamped.is_fed_at_rest && undamped.fed_from.is_none(), "{undamped:?}");
         let held = [unforced(0.0, 0.06), unforced(0.02, -0.06)];
         assert!(held.iter().all(|held| !held.is_fed_at_rest), "{held:?}");
+    }
+
+    #[test]
+    fn every_mode_that_is_fed_at_rest_is_told() {
+        let motion =
+            |mode, is_fed_at_rest| Unforced { mode, linear: 1.0, nonlinear: -2.0, is_fed_at_rest, fed_from: None };
+        let said = |known: &[Unforced]| {
+            let told = Excitation::default().sentence(known, |x| x.to_string(), |omega| omega.to_string());
+            told.unwrap_or_default()
+        };
+        let two = said(&[motion(0, true), motion(1, true), motion(2, false)]);
+        assert!(two.contains("more energy into modes 1 and 2 than their damping takes"), "{two}");
+        assert!(said(&[motion(1, true)]).contains("more energy into mode 2 than its damping takes"));
     }
 
     /// A spring gives back what it takes, however large the motion and whatever rounding says, damped or not.

@@ -1,6 +1,7 @@
 //! What a run has found so far, level by level, as the store has it: branches, windows and what became of them; and what
 //! is missing.
 
+mod amplitude_bound;
 mod around_largest;
 mod beginnings;
 mod bounds;
@@ -23,6 +24,7 @@ mod merges;
 pub mod modes;
 mod near_largest;
 mod omissions;
+mod overlooked;
 mod parties;
 mod penetration;
 mod place;
@@ -38,6 +40,7 @@ mod unfinished;
 mod verified;
 mod windows;
 
+pub use amplitude_bound::amplitude_bound;
 pub use around_largest::around_largest;
 pub use beginnings::{beginning, is_begun};
 pub use bounds::{beyond, bounds, is_within, reach_sentence};
@@ -61,6 +64,7 @@ pub use looked_for::{LookedFor, has_joints};
 pub use merges::merge_verb;
 pub use near_largest::near_largest;
 pub use omissions::Omissions;
+pub use overlooked::overlooked;
 pub use place::undetermined;
 pub use predicted::{Predicted, between_levels, told_threshold};
 pub use reasons::briefly;

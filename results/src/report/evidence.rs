@@ -46,6 +46,8 @@ pub struct Evidence<'r> {
     pub bounds: FrequencySettings,
     /// Bounds of the frequency that were given.
     pub given: FrequencySettings,
+    /// The largest amplitude of branches, m, if it was given.
+    pub max_amplitude: Option<f64>,
     /// Those that were looked at, once the backbones are known.
     pub reached: Option<(f64, f64)>,
     /// Orders of motions that the run looks for.

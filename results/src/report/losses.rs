@@ -3,11 +3,11 @@
 use super::evidence::Evidence;
 use crate::curves::{Column, Piece};
 use crate::overview::modes::not_started;
-use crate::overview::{Level, ends_far_beyond, ends_near};
+use crate::overview::{Level, amplitude_bound, ends_far_beyond, ends_near};
 use crate::store::{CurvePoint, CurveRow};
 use crate::words::{count, digits, in_both_units};
 use protocol::to_everyone::Stage;
-use solver::response::branch::BranchKind;
+use solver::response::branch::{BranchKind, Outcome};
 use solver::response::critical::CriticalKind;
 
 /// Levels that a sentence names.
@@ -74,11 +74,14 @@ pub(super) fn losses(evidence: &Evidence<'_>) -> Vec<Loss> {
             }
         });
     }
-    for (amplitude, outcome) in evidence.mains.iter().filter(|(_, outcome)| outcome.is_unfinished()) {
-        let main = format!("main branch at A = {amplitude}");
-        let sentence = format!("The {main} is known only in part ({outcome}): larger responses may lie beyond.");
-        list.push(Loss::grave(format!("{main} unfinished"), sentence));
+    for (outcome, levels) in unfinished_mains(evidence) {
+        let (mains, are) = if levels.len() == 1 { ("main branch", "is") } else { ("main branches", "are") };
+        let mains = format!("{mains} at {}", named(&levels));
+        let sentence = format!("The {mains} {are} known only in part ({outcome}): larger responses may lie beyond.");
+        list.push(Loss::grave(format!("{mains} unfinished"), sentence));
     }
+    let bound = amplitude_bound(levels, evidence.mains, evidence.max_amplitude, |size| evidence.length(size));
+    list.extend(bound.map(|sentence| Loss::grave("larger responses not followed", sentence)));
     let partial = [
         (BranchKind::Unfinished, "unfinished", "are unfinished: whether they are detached is not known"),
         (
@@ -121,7 +124,7 @@ pub(super) fn losses(evidence: &Evidence<'_>) -> Vec<Loss> {
     if stopped > 0 {
         let curves = count(stopped, "fold curve");
         let sentence = format!("{curves} stopped early: births, merges and isolas beyond are not known.");
-        list.push(Loss::new(format!("{curves} stopped early"), sentence));
+        list.push(Loss::grave(format!("{curves} stopped early"), sentence));
     }
     let (among, _) = unknown_events(evidence);
     if !among.is_empty() {
@@ -161,9 +164,22 @@ pub(super) fn losses(evidence: &Evidence<'_>) -> Vec<Loss> {
         let brief = format!("{} given up", count(search.unverified, "verification"));
         list.push(Loss::new(brief.clone(), format!("{brief}: whether these branches are stable is not known.")));
     }
-    // A level may have two main branches that end alike.
-    list.dedup_by(|a, b| a.sentence == b.sentence);
     list
+}
+
+/// How main branches end that are not followed to their ends, with the levels at which they end so.
+fn unfinished_mains<'r>(evidence: &Evidence<'r>) -> Vec<(Outcome, Vec<&'r Level>)> {
+    let mut all: Vec<(Outcome, Vec<&Level>)> = Vec::new();
+    for (amplitude, outcome) in evidence.mains.iter().filter(|(_, outcome)| outcome.is_unfinished()) {
+        let Some(level) = evidence.levels.iter().find(|level| level.amplitude == *amplitude) else { continue };
+        match all.iter_mut().find(|(other, _)| other == outcome) {
+            // A level may have two main branches that end alike.
+            Some((_, levels)) if levels.iter().any(|other| std::ptr::eq(*other, level)) => {}
+            Some((_, levels)) => levels.push(level),
+            None => all.push((*outcome, vec![level])),
+        }
+    }
+    all
 }
 
 /// What happens along fold curves of which it is not known what it is: among the levels, and beyond them.

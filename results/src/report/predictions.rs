@@ -4,19 +4,16 @@ use super::evidence::Evidence;
 use super::losses::named;
 use crate::curves::BackboneCurve;
 use crate::overview::{
-    Level, Origin, beyond, born_between, events_of, forcing_label, is_within, later_birth, overlaps, parted_between,
-    told_threshold, truncation_doubt, undecided,
+    Level, Origin, beyond, born_above, born_below, born_between, forcing_label, is_within, later_birth, overlaps,
+    overlooked, parted_between, told_threshold, truncation_doubt, undecided,
 };
 use crate::store::CurvePoint;
 use crate::words::{self, count};
-use solver::response::critical::CriticalKind;
+use solver::response::task::SeedOutcome;
 use solver::response::windows::{Event, EventKind};
 
 /// Predicted events of a kind that a sentence names.
 const NAMED: usize = 6;
-
-/// Largest forcing, in highest levels, at which an isola is born just above them.
-const JUST_ABOVE: f64 = 1.25;
 
 /// The birth at the smallest forcing.
 fn earliest_of<'e>(births: &[(&'e BackboneCurve, &'e Event)]) -> Option<(&'e BackboneCurve, &'e Event)> {
@@ -24,45 +21,46 @@ fn earliest_of<'e>(births: &[(&'e BackboneCurve, &'e Event)]) -> Option<(&'e Bac
 }
 
 impl Evidence<'_> {
-    /// That there is no isola at the levels, and the first birth between them or else just above them, if fold curves have one.
+    /// That there is no isola at the levels, and what fold curves have of isolas nevertheless: at the levels, else between, below or above
+    /// them.
     pub(super) fn no_isola(&self) -> String {
-        let highest = self.levels.iter().map(|level| level.value).fold(0.0, f64::max);
-        let births = events_of(self.curves, CriticalKind::Birth.name());
-        let is_above = |birth: &&&CurvePoint| {
-            (highest..=JUST_ABOVE * highest).contains(&birth.forcing) && is_within(self.bounds, birth.omega)
-        };
-        let none = format!("{} where it was looked for", self.none());
-        let undecided = undecided(self.levels);
+        let (levels, curves, bounds) = (self.levels, self.curves, self.bounds);
+        let none = format!("{} where it was looked for{}", self.none(), undecided(levels));
+        if let Some(there) = overlooked(curves, levels, bounds, |omega| self.frequency(omega)) {
+            return format!("{none}{there}.");
+        }
         let at = |birth: &CurvePoint| {
             let forcing = forcing_label(birth, 5);
             format!("at A = {forcing} ({}{})", self.in_both_units(birth.omega), truncation_doubt(&[birth]))
         };
-        match &born_between(self.levels, self.curves, self.bounds)[..] {
-            [only] => {
-                format!("{none}{undecided}, but along fold curves one is born between two of the levels, {}.", at(only))
+        let but = |what: String| format!("{none}, but along fold curves {what}.");
+        match &born_between(levels, curves, bounds)[..] {
+            [only] => return but(format!("one is born between two of the levels, {}", at(only))),
+            [first, .., last] => {
+                return but(format!("isolas are born between levels, the first {}, the last {}", at(first), at(last)));
             }
-            [first, .., last] => format!(
-                "{none}{undecided}, but along fold curves isolas are born between levels, the first {}, the last {}.",
-                at(first),
-                at(last)
-            ),
-            [] => match births.iter().find(is_above) {
-                Some(birth) => {
-                    format!(
-                        "{none}{undecided}, but along fold curves one is born just above the highest level, {}.",
-                        at(birth)
-                    )
-                }
-                None => match parted_between(self.curves, self.levels).first() {
-                    Some(life) => {
-                        let (from, to) = (forcing_label(life.from, 5), forcing_label(life.to, 5));
-                        format!(
-                            "{none}{undecided}, but along fold curves one is there between levels, from A = {from} to {to}."
-                        )
-                    }
-                    None => format!("{none}{undecided}."),
-                },
-            },
+            [] => {}
+        }
+        let below = match &born_below(levels, curves, bounds)[..] {
+            [] => None,
+            [only] => Some(format!("one is born below the lowest level, {}", at(only))),
+            [first, .., last] => {
+                Some(format!("isolas are born below the lowest level, the first {}, the last {}", at(first), at(last)))
+            }
+        };
+        let above = born_above(levels, curves, bounds)
+            .map(|birth| format!("one is born above the highest level, {}", at(birth)));
+        let beyond: Vec<String> = below.into_iter().chain(above).collect();
+        if !beyond.is_empty() {
+            return but(beyond.join(", and "));
+        }
+        match parted_between(curves, levels).first() {
+            Some(life) => {
+                let (from, to) = (forcing_label(life.from, 5), forcing_label(life.to, 5));
+                let doubt = truncation_doubt(&[life.from, life.to]);
+                but(format!("one is there from A = {from} to {to}, where the run has no level{doubt}"))
+            }
+            None => format!("{none}."),
         }
     }
 
@@ -181,7 +179,8 @@ impl Evidence<'_> {
         let births = of(EventKind::Birth, "a birth", "births");
         let merges = of(EventKind::Merge, "a merge", "merges");
         let parts: Vec<String> = births.into_iter().chain(merges).collect();
-        (!parts.is_empty()).then(|| format!("The energy balance predicts, as an estimate, {}.", parts.join(" and ")))
+        (!parts.is_empty())
+            .then(|| format!("Among the levels the energy balance predicts, as an estimate, {}.", parts.join(" and ")))
     }
 
     /// What led to isolas beside the energy balance.
@@ -205,9 +204,14 @@ impl Evidence<'_> {
     /// range something was found otherwise, and the others.
     pub(super) fn not_found(&self) -> Vec<String> {
         let mut births: Vec<(&CurvePoint, Vec<&Level>)> = Vec::new();
-        let (mut met, mut others): (Vec<&Level>, Vec<&Level>) = (Vec::new(), Vec::new());
+        let [mut met, mut others, mut outside] = [const { Vec::<&Level>::new() }; 3];
+        let out = SeedOutcome::OutOfBounds.to_string();
         for level in self.levels {
-            for (window, _) in level.not_found() {
+            for (window, why) in level.not_found() {
+                if why == out {
+                    outside.push(level);
+                    continue;
+                }
                 match later_birth(self.curves, level, window) {
                     Some(birth) => match births.iter_mut().find(|(other, _)| std::ptr::eq(*other, birth)) {
                         Some((_, levels)) => levels.push(level),
@@ -242,6 +246,14 @@ impl Evidence<'_> {
                 "{responses} that the energy balance predicts, which is an estimate, not found at {}: none of {whose} seeds led to a \
                  branch near{more}.",
                 named(&once(levels))
+            ));
+        }
+        if !outside.is_empty() {
+            let (responses, levels) = (count(outside.len(), "response"), named(&once(outside)));
+            let lie = if responses.starts_with("1 ") { "leads" } else { "lead" };
+            sentences.push(format!(
+                "{responses} that the energy balance predicts, which is an estimate, {lie} out of the bounds of frequency or amplitude, at \
+                 {levels}, and were not followed."
             ));
         }
         sentences.extend(self.passed());

@@ -173,6 +173,7 @@ impl Report {
             least_added: least_added(&model, reader.order().is_some()),
             bounds: bounds(header.settings.frequency, reach.map(|reach| reach.frequency), reader.order().is_some()),
             given: header.settings.frequency,
+            max_amplitude: header.settings.branch.max_amplitude,
             reached: reach.map(|reach| reach.frequency),
             asked: orders(&model, &header.settings.search),
             orders: further_orders(reader, &mut omissions),

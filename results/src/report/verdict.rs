@@ -126,6 +126,13 @@ impl<'r> Evidence<'r> {
         self.levels.iter().flat_map(Level::isolas).count() == 1
     }
 
+    /// Whether isolas were looked for in windows alone.
+    fn is_of_windows_alone(&self) -> bool {
+        self.curves.is_empty()
+            && self.search.starts + self.search.homotopies == 0
+            && self.levels.iter().any(|level| !level.windows.is_empty())
+    }
+
     /// How it is said that there is no isola.
     pub(super) fn none(&self) -> &'static str {
         if self.is_over() { "No isola was found" } else { "No isola has been found so far" }
@@ -171,7 +178,7 @@ impl<'r> Evidence<'r> {
         let mut largest_first = false;
         match highest(self.with_isolas().flat_map(Level::isolas)) {
             Some(highest) => {
-                let ranges = joined(self.with_isolas().flat_map(Level::isolas).map(|isola| isola.omega));
+                let ranges = joined(self.with_isolas().flat_map(Level::isolas));
                 let doubt = Doubts::about(self.with_isolas().flat_map(Level::isolas)).sentence();
                 parts.push(format!(
                     "Between {}{}: there an isola, a closed branch apart from the main one, is another periodic response at \
@@ -338,7 +345,12 @@ impl<'r> Evidence<'r> {
             format!(" At A = {} none was found any more where it was looked for{goes_up}.", level.amplitude)
         });
         let isolas = if self.is_one_isola() { "An isola was" } else { "Isolas were" };
-        format!("{isolas} found {}{prediction}.{computed}{}", found.join(", and "), end.unwrap_or_default())
+        let alone = if self.is_of_windows_alone() {
+            " in windows of the energy balance, where alone they were looked for,"
+        } else {
+            ""
+        };
+        format!("{isolas} found{alone} {}{prediction}.{computed}{}", found.join(", and "), end.unwrap_or_default())
     }
 
     /// Which frequencies and modes were looked at, what was looked for, and what was not.

@@ -60,7 +60,8 @@ pub struct Stability {
     pub sampled: Option<usize>,
     /// What is near its point of largest amplitude, if that was looked at.
     pub peak: Option<PeakOrbit>,
-    /// Frequency and amplitude of its largest response that is known to be stable, rad/s and m.
+    /// Frequency and amplitude of the largest marched orbit of it that is stable, rad/s and m: those of its points are as good as the
+    /// harmonics allow.
     pub largest: Option<(f64, f64)>,
 }
 
@@ -187,8 +188,7 @@ impl Reader {
                    CASE stretch WHEN 'whole' THEN points \
                    ELSE (SELECT max(each.i) - min(each.i) + 1 FROM verified_points AS each WHERE each.task = verifications.task) END, \
                    EXISTS (SELECT 1 FROM verified_points AS each WHERE each.task = verifications.task AND each.verdict = 'marginal'), \
-                   (SELECT points.amplitude FROM points WHERE points.branch = branches.id AND points.i = point.at), \
-                   branches.omega_at_max, branches.amplitude_max \
+                   (SELECT points.amplitude FROM points WHERE points.branch = branches.id AND points.i = point.at) \
                    FROM verifications JOIN branches ON branches.id = branch \
                    LEFT JOIN verified_points AS point ON point.task = verifications.task AND point.i = peak \
                    WHERE level = ?1 ORDER BY stretch = 'whole'";
@@ -203,34 +203,34 @@ impl Reader {
             let is_marginal_in_parts = row.get(9)?;
             let stability =
                 Stability { is_whole, stable, unstable, is_marginal_in_parts, sampled, peak, largest: None };
-            let highest = row.get::<_, Option<f64>>(11)?.zip(row.get(12)?);
-            Ok((row.get(0)?, stability, orbit, highest))
+            Ok((row.get(0)?, stability, orbit))
         };
         let mut found: HashMap<i64, Stability> = HashMap::new();
-        let mut peaks: HashMap<i64, (f64, f64)> = HashMap::new();
-        for (branch, mut stability, orbit, highest) in self.all(sql, [level], row)? {
+        for (branch, mut stability, orbit) in self.all(sql, [level], row)? {
             if orbit.is_some_and(|orbit| self.is_strayed(level, orbit).unwrap_or_default()) {
                 stability.peak = Some(PeakOrbit { verdict: verdict_name(Verdict::NoOrbitNearby).into(), at: None });
             }
-            // Where the motion near the peak is stable that is the largest, whatever its own point says.
-            let is_stable = stability.peak.as_ref().is_some_and(|peak| peak.verdict == "stable");
-            match highest.filter(|_| is_stable) {
-                Some(highest) => peaks.insert(branch, highest),
-                None => peaks.remove(&branch),
-            };
             found.insert(branch, stability);
         }
-        let sql = "SELECT branch, points.omega, max(points.amplitude) FROM points JOIN branches ON branches.id = branch \
-                   WHERE level = ?1 AND points.stable = 'stable' AND points.amplitude IS NOT NULL GROUP BY branch";
-        let row = |row: &Row<'_>| Ok((row.get(0)?, (row.get(1)?, row.get(2)?)));
+        // Of what was marched last, the largest first.
+        let sql = "SELECT branch, point.omega, point.amplitude, \
+                   (SELECT points.amplitude FROM points WHERE points.branch = branches.id AND points.i = point.at) \
+                   FROM verifications JOIN branches ON branches.id = branch \
+                   JOIN verified_points AS point ON point.task = verifications.task \
+                   WHERE level = ?1 AND point.verdict = 'stable' AND point.amplitude IS NOT NULL AND (stretch = 'whole') = \
+                   (SELECT max(each.stretch = 'whole') FROM verifications AS each WHERE each.branch = branches.id) \
+                   ORDER BY point.amplitude DESC";
+        let row = |row: &Row<'_>| {
+            let at = (row.get(1)?, row.get(2)?);
+            Ok((row.get(0)?, at, row.get::<_, Option<f64>>(3)?.map(|own| Marched { at, own })))
+        };
         // Where points are damaged that is said of their branches, which can be told of without them.
-        for (branch, largest) in self.all::<(i64, (f64, f64))>(sql, [level], row).unwrap_or_default() {
-            if let Some(stability) = found.get_mut(&branch) {
-                stability.largest = Some(largest);
+        for (branch, at, orbit) in self.all::<(i64, (f64, f64), _)>(sql, [level], row).unwrap_or_default() {
+            let unset = found.get_mut(&branch).filter(|stability| stability.largest.is_none());
+            let is_strayed = || orbit.is_some_and(|orbit| self.is_strayed(level, orbit).unwrap_or_default());
+            if let Some(stability) = unset.filter(|_| !is_strayed()) {
+                stability.largest = Some(at);
             }
-        }
-        for (branch, highest) in peaks {
-            found.entry(branch).and_modify(|stability| stability.largest = Some(highest));
         }
         Ok(found)
     }

@@ -5,8 +5,8 @@ use super::monitors::of_first;
 use super::units::Units;
 use super::{search, stability};
 use crate::overview::{
-    Doubts, Level, around_largest, asks_for_harmonics, highest, in_words, largest_stable_sentence, near_largest,
-    passed_over_sentence, truncation_of, turned_sliding, unfinished, unstable_peak_sentence,
+    Doubts, Level, amplitude_bound, around_largest, asks_for_harmonics, highest, in_words, largest_stable_sentence,
+    near_largest, passed_over_sentence, truncation_of, turned_sliding, unfinished, unstable_peak_sentence,
 };
 use crate::words::{capitalised, listed};
 use solver::response::branch::BranchKind;
@@ -23,6 +23,12 @@ pub(super) fn answer(known: &Known, units: Units) -> Vec<String> {
     (search::excitation(known, units).into_iter())
         .chain(unfinished(levels, !known.awaits_backbones))
         .chain(known.doubts.as_deref().map(|doubts| format!("{}.", capitalised(doubts))))
+        .chain(amplitude_bound(
+            levels,
+            &known.mains,
+            known.settings.as_ref().and_then(|settings| settings.branch.max_amplitude),
+            |size| format!("{} {}", units.length.digits(size), units.length),
+        ))
         .chain(
             truncation_of(known.model.as_ref(), levels, known.settings.as_ref(), known.is_further, |omega| {
                 units.frequency.told(omega)
@@ -30,7 +36,9 @@ pub(super) fn answer(known: &Known, units: Units) -> Vec<String> {
             .filter(|said| asks_for_harmonics(said)),
         )
         .chain(
-            isolas(levels).or_else(|| search::no_isola(known, units.frequency)).map(|found| found + &detached(levels)),
+            isolas(levels, known.settings.as_ref().map_or("", search::only_windows))
+                .or_else(|| search::no_isola(known, units.frequency))
+                .map(|found| found + &detached(levels)),
         )
         .chain(largest(levels, &known.monitors, units))
         .chain(stability::sentence(levels, units, is_told(levels)))
@@ -40,7 +48,7 @@ pub(super) fn answer(known: &Known, units: Units) -> Vec<String> {
 }
 
 /// At which levels isolas were found, and whether something speaks against them. `None` if there are none.
-fn isolas(levels: &[Level]) -> Option<String> {
+fn isolas(levels: &[Level], only: &str) -> Option<String> {
     let with: Vec<&Level> = levels.iter().filter(|level| level.isolas().next().is_some()).collect();
     let list = match &with[..] {
         [] => return None,
@@ -67,7 +75,8 @@ fn isolas(levels: &[Level]) -> Option<String> {
         0 => "",
         _ => " What is cut or unfinished at others may be one.",
     };
-    Some(format!("{found}{so_far} at {share}A = {list}.{doubt}{others}"))
+    let only = if only.is_empty() { String::new() } else { format!(",{only}") };
+    Some(format!("{found}{so_far} at {share}A = {list}{only}.{doubt}{others}"))
 }
 
 /// That what is detached need not be closed.
@@ -151,15 +160,15 @@ mod tests {
         let main = || row("main", 1.0, None);
         let isola = || row("isola", 2.0, None);
         let mut levels = vec![level("1", vec![main()]), level("2", vec![main(), isola()])];
-        assert_eq!(isolas(&levels[..1]), None);
-        assert_eq!(isolas(&levels).unwrap(), "An isola was found at 1 of 2 levels, A = 2.");
-        assert_eq!(isolas(&levels[1..]).unwrap(), "An isola was found at A = 2.");
+        assert_eq!(isolas(&levels[..1], ""), None);
+        assert_eq!(isolas(&levels, "").unwrap(), "An isola was found at 1 of 2 levels, A = 2.");
+        assert_eq!(isolas(&levels[1..], "").unwrap(), "An isola was found at A = 2.");
         levels.push(level("3", vec![main(), isola(), isola()]));
-        assert_eq!(isolas(&levels).unwrap(), "Isolas were found at 2 of 3 levels, A = 2 and 3 (2 there).");
+        assert_eq!(isolas(&levels, "").unwrap(), "Isolas were found at 2 of 3 levels, A = 2 and 3 (2 there).");
         levels[0].pending = 1;
-        assert!(isolas(&levels).unwrap().starts_with("Isolas were found so far at 2 of 3"));
+        assert!(isolas(&levels, "").unwrap().starts_with("Isolas were found so far at 2 of 3"));
         levels.extend((4..9).map(|a| level(&a.to_string(), vec![main(), isola()])));
-        assert!(isolas(&levels).unwrap().ends_with("at 7 of 8 levels, A = 2 to 8."));
+        assert!(isolas(&levels, "").unwrap().ends_with("at 7 of 8 levels, A = 2 to 8."));
         assert_eq!(detached(&levels), "");
         let open = level("9", vec![main(), row("open", 3.0, None)]);
         assert!(detached(&[open]).contains("One branch that is not closed"));
@@ -170,7 +179,7 @@ mod tests {
     fn isolas_that_nothing_confirms() {
         let unconfirmed = || row("isola", 2.0, Some("none"));
         let confirmed = || row("isola", 2.0, Some("stable"));
-        let told = |branches| isolas(&[level("1", branches)]).unwrap();
+        let told = |branches| isolas(&[level("1", branches)], "").unwrap();
         assert!(told(vec![unconfirmed()]).ends_with(" It may be an artefact of too few harmonics."));
         assert!(
             told(vec![unconfirmed(), unconfirmed()])
@@ -183,7 +192,7 @@ mod tests {
     #[test]
     fn isolas_that_twice_the_harmonics_do_not_have() {
         let lost = |verdict| BranchRow { peak_standing: Some(Standing::At), ..row("isola", 2.0, verdict) };
-        let told = |branches| isolas(&[level("1", branches)]).unwrap();
+        let told = |branches| isolas(&[level("1", branches)], "").unwrap();
         for verdict in [None, Some("not_comparable")] {
             assert!(told(vec![lost(verdict)]).ends_with(" Twice the harmonics do not confirm it."));
         }

@@ -23,6 +23,9 @@ const BESIDE: f64 = 1e-6;
 /// Further peaks of a main branch that are listed.
 const FURTHER: usize = 4;
 
+/// Relative difference of frequencies and amplitudes of peaks that are one as far as the table tells.
+const SAME_PEAK: f64 = 1e-5;
+
 /// Relative difference of the ranges of frequency of branches that may be copies of each other.
 const SAME: f64 = 1e-6;
 
@@ -124,10 +127,16 @@ impl<'r> Rows<'r> {
         let Units { length, frequency } = self.units;
         let line =
             |(omega, size): &(f64, f64)| format!("\nand {} at {}", length.digits(*size), frequency.digits(*omega));
-        let keys: Vec<i64> = rows.map(|row| row.id).collect();
-        let own = self.peaks.iter().filter(|(key, _)| keys.contains(key));
-        let mut peaks: Vec<&(f64, f64)> = own.flat_map(|(_, peaks)| peaks).collect();
+        let rows: Vec<&BranchRow> = rows.collect();
+        let is_own = |key: &i64| rows.iter().any(|row| row.id == *key);
+        let own = self.peaks.iter().filter(|(key, _)| is_own(key));
+        // Points that nearly coincide may both stand out of their neighbours.
+        let are_same =
+            |a: &(f64, f64), b: &(f64, f64)| (a.0 / b.0 - 1.0).abs() < SAME_PEAK && (a.1 / b.1 - 1.0).abs() < SAME_PEAK;
+        let is_told = |peak: &(f64, f64)| rows.iter().any(|row| are_same(&(row.omega_at_max, row.amplitude_max), peak));
+        let mut peaks: Vec<&(f64, f64)> = own.flat_map(|(_, peaks)| peaks).filter(|peak| !is_told(peak)).collect();
         peaks.sort_by(|a, b| a.0.total_cmp(&b.0));
+        peaks.dedup_by(|a, b| are_same(a, b));
         let mut lines: Vec<String> = peaks.iter().copied().take(FURTHER).map(line).collect();
         if let Some(more) = peaks.len().checked_sub(FURTHER + 1) {
             lines.push(format!("\nand {} more", more + 1));
@@ -184,9 +193,11 @@ impl<'r> Rows<'r> {
             let doubt = "perhaps an artefact of too few harmonics: with twice as many no such peak was found, nor a motion near it by time \
                          marching";
             let untold = "with twice the harmonics no such peak was found, and time marching has no motion near it or cannot tell";
+            let unasked = "with twice the harmonics no such peak was found; whether there is a motion near it was not asked of time marching";
+            let is_marched = row.stability.as_ref().is_some_and(|known| known.peak.is_some());
             let mark = match (is_unconfirmed(row), is_unmatched(row)) {
                 (true, _) => self.notes.mark(doubt.into()),
-                (_, true) => self.notes.mark(untold.into()),
+                (_, true) => self.notes.mark(if is_marched { untold } else { unasked }.into()),
                 _ => String::new(),
             };
             return format!("{range}, {peak}{mark}");

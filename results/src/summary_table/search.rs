@@ -4,7 +4,8 @@ use super::known::Known;
 use super::units::{FrequencyUnit, Units};
 use crate::overview::{
     BranchRow, Excitation, Level, LookedFor, Predicted, Unforced, between_levels, born_above, born_below, born_between,
-    has_joints, level_between, levels_after, parted_between, told_threshold, truncation_doubt, undecided, why_no_folds,
+    has_joints, level_between, levels_after, overlooked, parted_between, told_threshold, truncation_doubt, undecided,
+    why_no_folds,
 };
 use crate::store::{CurvePoint, CurveRow};
 use crate::words::{digits, listed, more_ranges};
@@ -12,7 +13,7 @@ use solver::response::backbone::Backbone;
 use solver::response::branch::BranchKind;
 use solver::response::forced::SearchRange;
 use solver::response::orders::orders;
-use solver::settings::{Effort, FrequencySettings};
+use solver::settings::{Effort, FrequencySettings, Settings};
 
 /// Digits of the forcing amplitude of a birth that levels miss.
 const BIRTH_DIGITS: i32 = 4;
@@ -62,6 +63,10 @@ pub(super) fn no_isola(known: &Known, unit: FrequencyUnit) -> Option<String> {
         return None;
     }
     let backbones: Vec<&Backbone> = known.backbones.iter().filter_map(|(_, backbone)| backbone.as_ref()).collect();
+    let frequency = |omega| unit.told(omega);
+    if let Some(there) = overlooked(&known.curves, levels, known.bounds(), frequency) {
+        return Some(format!("No isola was found{}{there}.", undecided(levels)));
+    }
     let elsewhere = match born(levels, &known.curves, known.bounds()) {
         // What was computed tells more than an estimate.
         born if born.is_empty() => match parted(levels, &known.curves) {
@@ -70,11 +75,16 @@ pub(super) fn no_isola(known: &Known, unit: FrequencyUnit) -> Option<String> {
         },
         born => born,
     };
-    let only = match settings.search.effort {
+    let only = only_windows(settings);
+    Some(format!("No isola was found{only}{elsewhere}{}.", undecided(levels)))
+}
+
+/// That isolas were looked for in windows alone, if so: what follows where they are.
+pub(super) fn only_windows(settings: &Settings) -> &'static str {
+    match settings.search.effort {
         Effort::None => " in windows of the energy balance, where alone they were looked for (search.effort)",
         _ => "",
-    };
-    Some(format!("No isola was found{only}{elsewhere}{}.", undecided(levels)))
+    }
 }
 
 /// How motions of further periods, for which nobody looked, are looked for, and which are the next.

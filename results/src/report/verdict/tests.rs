@@ -67,6 +67,7 @@ fn structure() -> Structure {
 /// What is said of these levels, changed on the way.
 fn told<'r>(levels: &'r [Level], change: impl FnOnce(&mut Evidence<'r>)) -> [String; 3] {
     let mut evidence = Evidence {
+        max_amplitude: None,
         levels,
         backbone: Some(&BACKBONE),
         further: &[],
@@ -187,7 +188,7 @@ fn where_the_last_one_ends() {
         "{elsewhere}"
     );
     assert!(
-        missed.starts_with("Yes, the isolas, but not the largest response: at A = 1 the main branch goes up to 1 mm"),
+        missed.starts_with("Yes, the isola, but not the largest response: at A = 1 the main branch goes up to 1 mm"),
         "{missed}"
     );
     assert!(missed.ends_with("10 % less."), "{missed}");
@@ -314,7 +315,7 @@ fn a_main_branch_known_in_part_is_no_measure() {
     let [_, _, missed] = texts(&[level(1.0, vec![at_least(main(1e-3)), isola(2e-3)])]);
     assert_eq!(
         missed,
-        "The isolas, yes; by how much is not known: at A = 1 the main branch goes up to at least 1 mm, an isola up to 2 mm \
+        "The isola, yes; by how much is not known: at A = 1 the main branch goes up to at least 1 mm, an isola up to 2 mm \
          at 130 rad/s (20.69 Hz)."
     );
 }

@@ -63,16 +63,18 @@ fn a_prediction_that_was_not_found_is_one() {
                      an isola is born at A = 1.25 only: none was found there.";
         assert_eq!([danger.contains(later), danger.contains(estimate)], [is_later, !is_later], "{danger}");
     }
-    for (forcing, is_near) in [(1.25, true), (1.26, false), (0.75, false)] {
+    for (forcing, place) in [(1.25, "above the highest"), (1.9, "above the highest"), (0.75, "below the lowest")] {
         let curves = [birth(forcing, 105.0)];
         let [danger, ..] = told(&levels, |evidence| evidence.curves = &curves);
-        let above = "looked for, but along fold curves one is born just above the highest level, at A = 1.25 (105 rad/s, 16.71 Hz).";
-        assert_eq!(danger.contains(above), is_near, "{danger}");
+        let born = format!(
+            "looked for, but along fold curves one is born {place} level, at A = {forcing} (105 rad/s, 16.71 Hz)."
+        );
+        assert!(danger.contains(&born), "{danger}");
         let mut curves = curves;
         curves[0].points[0].doubled = None;
         let [danger, ..] = told(&levels, |evidence| evidence.curves = &curves);
         let doubtful = "(105 rad/s, 16.71 Hz, not confirmed with twice the harmonics).";
-        assert_eq!(danger.contains(doubtful), is_near, "{danger}");
+        assert!(danger.contains(doubtful), "{danger}");
     }
     // Whether it is still there at the next level is another question.
     let higher = [levels[0].clone(), Level { amplitude: "2".into(), value: 2.0, ..levels[0].clone() }];
@@ -195,7 +197,7 @@ fn what_the_balance_predicts_between_levels_is_told() {
         });
         onset
     };
-    let both = "The energy balance predicts, as an estimate, births at A = 1.25 (near 110 rad/s, 17.51 Hz), 1.75 (near 105 rad/s, 16.71 Hz) and a \
+    let both = "Among the levels the energy balance predicts, as an estimate, births at A = 1.25 (near 110 rad/s, 17.51 Hz), 1.75 (near 105 rad/s, 16.71 Hz) and a \
                 merge at A = 1.5 (near 100 rad/s, 15.92 Hz).";
     assert!(said(&|_| {}).ends_with(both), "{}", said(&|_| {}));
     // Beyond the frequencies of the study nothing is told.
