@@ -222,5 +222,5 @@ fn an_interrupted_search_goes_on() {
     assert!(report.figures.drawn.contains_key("folds"), "{:?}", report.figures.nothing);
     let onset = &report.verdict[1].text;
     assert!(onset.contains("Computed along fold curves: an isola is born at A = 0.0048"), "{onset}");
-    assert!(onset.contains(" and is known up to A = 0.011") && onset.contains("where it merges or parts"), "{onset}");
+    assert!(onset.contains("; at A = 0.011") && onset.contains(" it merges or parts, and may go on"), "{onset}");
 }

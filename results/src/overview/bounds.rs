@@ -32,15 +32,16 @@ pub fn reach_sentence(
         ),
         (None, Some(_)) => format!(
             "Looked at: {low}, as the resonances suggest (frequency.min gives another lower bound), to {high}, as given; below branches may go \
-             on, and others may lie below and above."
+             on, above main branches alone, and others may lie there."
         ),
         (Some(_), None) => format!(
             "Looked at: {low}, as given, to {high}, as the resonances suggest (frequency.max gives another upper bound); above branches may go \
-             on, and others may lie below and above."
+             on, below main branches alone, and others may lie there."
         ),
         (Some(_), Some(_)) => {
             format!(
-                "Looked at: {low} to {high}, as given (frequency.min and frequency.max); others may lie below and above."
+                "Looked at: {low} to {high}, as given (frequency.min and frequency.max); main branches may be followed on \
+                 beyond, and others may lie there."
             )
         }
     })
@@ -74,7 +75,7 @@ mod tests {
         assert_eq!(
             said(Some(0.8), None).unwrap(),
             "Looked at: 0.9 rad/s, as given, to 1.1 rad/s, as the resonances suggest (frequency.max gives another upper bound); above branches \
-             may go on, and others may lie below and above."
+             may go on, below main branches alone, and others may lie there."
         );
         let below = "Looked at: 0.9 rad/s, as the resonances suggest (frequency.min gives another lower bound), to 1.1 rad/s, as given; below \
                      branches may go on,";

@@ -32,20 +32,19 @@ pub fn doubts(reader: &Reader) -> Result<Option<String>> {
     let mut curves = Vec::new();
     let levels: Vec<f64> = reader.levels()?.into_iter().map(|(_, _, value)| value).collect();
     let highest = levels.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    let stop_of = |outcome: &Outcome| unfinished(outcome).map(|stop| plain(&stop.to_string()));
     for backbone in reader.backbone()?.into_iter().chain(reader.further_backbones()?) {
         let ends = last_points(&backbone).into_iter().enumerate();
-        let stopped = ends.filter(|(_, (_, end))| !is_beyond(&backbone, *end, highest));
-        curves.extend(stopped.filter_map(|(piece, (outcome, _))| {
+        let those = ends.filter(|(_, (_, end))| !is_beyond(&backbone, *end, highest));
+        curves.extend(those.filter_map(|(piece, (outcome, _))| {
             let what = if piece == 0 { "the" } else { "a curve beside the" };
-            Some(format!("{what} backbone of mode {} ({})", backbone.mode + 1, stop_of(outcome)?))
+            Some(format!("{what} backbone of mode {} ({})", backbone.mode + 1, stopped(outcome)?))
         }));
     }
     if let Some(choice) = reader.modes()? {
         curves.extend(not_started(&choice).map(|(mode, _)| format!("the backbone of mode {} (no start)", mode + 1)));
     }
     for (amplitude, outcome) in reader.main_outcomes()? {
-        curves.extend(stop_of(&outcome).map(|stop| format!("the main branch at A = {amplitude} ({stop})")));
+        curves.extend(stopped(&outcome).map(|stop| format!("the main branch at A = {amplitude} ({stop})")));
     }
     let stopped = reader.curves()?;
     let stopped = stopped.iter().filter(|curve| curve.is_unfinished && ends_near(curve, &levels));
@@ -162,7 +161,12 @@ pub fn ends_near(curve: &CurveRow, levels: &[f64]) -> bool {
     ends.into_iter().flatten().any(|end| (low..=high).contains(&end.forcing))
 }
 
-/// Why a curve goes on where it ends, if it does: neither closed nor at a bound.
+/// Why a curve goes on where it ends, if it does: without brackets of its own, to stand in brackets.
+pub fn stopped(outcome: &Outcome) -> Option<String> {
+    unfinished(outcome).map(|stop| plain(&stop.to_string()))
+}
+
+/// The same, of curves that are neither closed nor end at a bound.
 fn unfinished(outcome: &Outcome) -> Option<Stop> {
     let Outcome::Open(first, last) = outcome else { return None };
     let is_unfinished = |stop: &&Stop| matches!(stop, Stop::PointBudget | Stop::Stalled(_) | Stop::Reversed);

@@ -192,8 +192,8 @@ mod tests {
         let lasts =
             "Computed along fold curves: an isola is born at A = 1.5 (3 rad/s) and lasts to A = 4 (8 rad/s), where";
         // Where something may part from it, it goes on.
-        let known = lasts.replace("lasts to", "is known up to");
-        assert_eq!(say(&[whole.clone()]).unwrap(), format!("{known} it merges or parts, and may go on."));
+        let known = "Computed along fold curves: an isola is born at A = 1.5 (3 rad/s); at A = 4 (8 rad/s) it merges or parts, and may go on.";
+        assert_eq!(say(&[whole.clone()]).unwrap(), known);
         whole.crossings = vec![crossing(0, "main"), crossing(1, "isola 1")];
         assert_eq!(say(&[whole.clone()]).unwrap(), format!("{lasts} it merges with the main branch."));
         let dies = curve(&[(5.0, ""), (9.0, "death"), (6.0, "merge"), (7.0, "")]);
@@ -211,7 +211,7 @@ mod tests {
         assert_eq!(told, format!("Computed along fold curves: {end}"));
         // So short that digits do not tell its end from its birth.
         let brief = say(&[curve(&[(1.0, ""), (1.500_02, "merge"), (1.5, "birth"), (5.0, "")])]).unwrap();
-        assert!(brief.contains(" and is known up to A = 1.5 (3.00004 rad/s), 2.0e-5 above, where"), "{brief}");
+        assert!(brief.contains("; at A = 1.5 (3.00004 rad/s), 2.0e-5 above it merges or parts, and may"), "{brief}");
         // As the forcing grows, whatever kind of thing happens.
         let early = curve(&[(0.9, ""), (0.5, "birth"), (0.8, "")]);
         let late = curve(&[(0.1, ""), (0.2, "merge"), (0.1, ""), (8.0, "merge"), (7.0, "")]);
@@ -285,9 +285,9 @@ mod tests {
         let said = events_sentence(&curves, &levels, true, |omega| omega.to_string()).unwrap();
         assert_eq!(said.matches("an isola is born at A = ").count(), 5, "{said}");
         // From which forcing on there are isolas is told however far that is.
-        assert!(said.contains("an isola is born at A = 1 (1) and is known up to A = 1.5"), "{said}");
-        assert!(said.contains("an isola is born at A = 28 (28) and is known up to A = 28.5"), "{said}");
-        assert!(said.contains("an isola is born at A = 150 (150) and is known up to A = 150.5"), "{said}");
+        assert!(said.contains("an isola is born at A = 1 (1); at A = 1.5"), "{said}");
+        assert!(said.contains("an isola is born at A = 28 (28); at A = 28.5"), "{said}");
+        assert!(said.contains("an isola is born at A = 150 (150); at A = 150.5"), "{said}");
         assert!(said.ends_with("; 26 more isolas are born and end (all of it is in events.csv)."), "{said}");
         // And so of births alone.
         let births: Vec<CurvePoint> =

@@ -83,6 +83,25 @@ pub fn joining<'c>(curves: &'c [CurveRow], birth: &CurvePoint) -> Option<&'c Cur
     curves.iter().find_map(of_curve)
 }
 
+/// Frequencies (rad/s) and amplitudes (m) of the folds of what is born, or dies, at a point, where its edges first come to a forcing
+/// amplitude.
+pub(super) fn folds_at(curves: &[CurveRow], point: &CurvePoint, forcing: f64) -> Vec<(f64, f64)> {
+    let is_birth = point.event.as_deref() != Some(CriticalKind::Death.name());
+    let of_curve = |curve: &CurveRow| {
+        let at = curve.points.iter().position(|other| other.event == point.event && point.is_at(other))?;
+        let fold = |is_onwards: bool| {
+            let edge = edge(curve, at, is_onwards, is_birth);
+            let passes = |pair: &&[&CurvePoint]| (pair[0].forcing - forcing) * (pair[1].forcing - forcing) <= 0.0;
+            let pair = edge.path.windows(2).find(passes)?;
+            let share = (forcing - pair[0].forcing) / (pair[1].forcing - pair[0].forcing);
+            let between = |of: fn(&CurvePoint) -> f64| of(pair[0]) + share * (of(pair[1]) - of(pair[0]));
+            Some((between(|point| point.omega), between(|point| point.amplitude)))
+        };
+        Some([false, true].into_iter().filter_map(fold).collect::<Vec<_>>())
+    };
+    curves.iter().find_map(of_curve).unwrap_or_default()
+}
+
 /// How far what is born at a point of a curve is known, if nothing ends it before: to where both edges are followed no farther.
 fn known_up_to<'c>(curves: &'c [CurveRow], curve: &CurveRow, from: &'c CurvePoint) -> Option<Lasting<'c>> {
     let at = curve.points.iter().position(|other| std::ptr::eq(other, from))?;
@@ -211,6 +230,8 @@ struct Edge<'c> {
     farthest: f64,
     /// Levels that it crosses up to there, in their order.
     crossings: Vec<&'c Crossing>,
+    /// Its points, with the one that it begins with.
+    path: Vec<&'c CurvePoint>,
 }
 
 impl<'c> Edge<'c> {
@@ -228,7 +249,8 @@ fn edge(curve: &CurveRow, start: usize, is_onwards: bool, is_birth: bool) -> Edg
     let points = &curve.points;
     let origin = points[start].forcing;
     let (mut i, mut is_rising) = (start, is_birth);
-    let mut edge = Edge { event: None, is_open: false, farthest: origin, crossings: Vec::new() };
+    let path = vec![&points[start]];
+    let mut edge = Edge { event: None, is_open: false, farthest: origin, crossings: Vec::new(), path };
     for _ in 0..points.len() {
         let Some((segment, j)) = next(curve, i, is_onwards) else {
             edge.is_open = true;
@@ -254,6 +276,7 @@ fn edge(curve: &CurveRow, start: usize, is_onwards: bool, is_birth: bool) -> Edg
         let here = points[i].forcing;
         crossed.sort_by(|a, b| (a.forcing - here).abs().total_cmp(&(b.forcing - here).abs()));
         edge.crossings.extend(crossed);
+        edge.path.push(&points[j]);
         i = j;
     }
     edge

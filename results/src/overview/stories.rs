@@ -179,24 +179,30 @@ fn in_words(
     };
     // Where something may part from it, it goes on.
     let may_go_on = merge(life.to).is_some_and(|merge| !is_end(merge));
-    let lasts = if may_go_on { "is known up to" } else { "lasts to" };
+    if may_go_on {
+        let begins = match merge(life.from) {
+            None => format!("{} at A = {from}", BIRTH.one),
+            Some(_) => format!("an isola begins at A = {from}"),
+        };
+        return format!("{begins}; at A = {to} it merges or parts, and may go on");
+    }
     let end = match (merge(life.to), counted(life.to)) {
         (None, _) => format!("it {}", DEATH.verb),
         (Some(merge), counted) => it(merge).unwrap_or_else(|| match counted {
             _ if life.is_with_main => "it merges with the main branch".into(),
             Some(Counted::MergesWithMain) => "it merges with the main branch".into(),
             Some(Counted::Merges) => "it merges with another branch".into(),
-            _ => "it merges or parts, and may go on".into(),
+            _ => "it merges or parts".into(),
         }),
     };
     match merge(life.from) {
-        None => format!("{} at A = {from} and {lasts} A = {to}, where {end}", BIRTH.one),
+        None => format!("{} at A = {from} and lasts to A = {to}, where {end}", BIRTH.one),
         Some(merge) => {
             let start = it(merge).unwrap_or_else(|| match life.is_with_main {
                 true => "it parts from the main branch".into(),
                 false => MERGE.several.into(),
             });
-            format!("an isola begins at A = {from}, where {start}, and {lasts} A = {to}, where {end}")
+            format!("an isola begins at A = {from}, where {start}, and lasts to A = {to}, where {end}")
         }
     }
 }

@@ -3,11 +3,11 @@
 use super::evidence::Evidence;
 use crate::curves::{Column, Piece};
 use crate::overview::modes::not_started;
-use crate::overview::{Level, amplitude_bound, ends_far_beyond, ends_near};
+use crate::overview::{Level, amplitude_bound, ends_far_beyond, ends_near, stopped};
 use crate::store::{CurvePoint, CurveRow};
 use crate::words::{count, digits, in_both_units};
 use protocol::to_everyone::Stage;
-use solver::response::branch::{BranchKind, Outcome};
+use solver::response::branch::BranchKind;
 use solver::response::critical::CriticalKind;
 
 /// Levels that a sentence names.
@@ -43,6 +43,10 @@ pub(super) fn losses(evidence: &Evidence<'_>) -> Vec<Loss> {
     match evidence.stage {
         Some(Stage::Cancelled) => list.push(Loss::grave("cancelled", "The run was cancelled.")),
         Some(Stage::Finished) => {}
+        _ if evidence.backbone.is_some() && levels.iter().all(|level| level.pending == 0) => {
+            let what = "The run is not finished: verifications are still to come, or what follows from its results.";
+            list.push(Loss::grave("not finished", what));
+        }
         _ => list.push(Loss::grave("not finished", "The run is not finished.")),
     }
     if evidence.backbone.is_none() {
@@ -74,13 +78,20 @@ pub(super) fn losses(evidence: &Evidence<'_>) -> Vec<Loss> {
             }
         });
     }
-    for (outcome, levels) in unfinished_mains(evidence) {
+    for (why, levels) in unfinished_mains(evidence) {
         let (mains, are) = if levels.len() == 1 { ("main branch", "is") } else { ("main branches", "are") };
         let mains = format!("{mains} at {}", named(&levels));
-        let sentence = format!("The {mains} {are} known only in part ({outcome}): larger responses may lie beyond.");
+        let sentence = format!("The {mains} {are} known only in part ({why}): larger responses may lie beyond.");
         list.push(Loss::grave(format!("{mains} unfinished"), sentence));
     }
-    let bound = amplitude_bound(levels, evidence.mains, evidence.max_amplitude, |size| evidence.length(size));
+    let bound = amplitude_bound(
+        evidence.levels,
+        evidence.mains,
+        evidence.curves,
+        evidence.max_amplitude,
+        |size| evidence.length(size),
+        |omega| evidence.frequency(omega),
+    );
     list.extend(bound.map(|sentence| Loss::grave("larger responses not followed", sentence)));
     let partial = [
         (BranchKind::Unfinished, "unfinished", "are unfinished: whether they are detached is not known"),
@@ -167,16 +178,17 @@ pub(super) fn losses(evidence: &Evidence<'_>) -> Vec<Loss> {
     list
 }
 
-/// How main branches end that are not followed to their ends, with the levels at which they end so.
-fn unfinished_mains<'r>(evidence: &Evidence<'r>) -> Vec<(Outcome, Vec<&'r Level>)> {
-    let mut all: Vec<(Outcome, Vec<&Level>)> = Vec::new();
+/// Why main branches are not followed to their ends, with the levels of which that is so.
+fn unfinished_mains<'r>(evidence: &Evidence<'r>) -> Vec<(String, Vec<&'r Level>)> {
+    let mut all: Vec<(String, Vec<&Level>)> = Vec::new();
     for (amplitude, outcome) in evidence.mains.iter().filter(|(_, outcome)| outcome.is_unfinished()) {
         let Some(level) = evidence.levels.iter().find(|level| level.amplitude == *amplitude) else { continue };
-        match all.iter_mut().find(|(other, _)| other == outcome) {
+        let why = stopped(outcome).unwrap_or_else(|| outcome.to_string());
+        match all.iter_mut().find(|(other, _)| *other == why) {
             // A level may have two main branches that end alike.
             Some((_, levels)) if levels.iter().any(|other| std::ptr::eq(*other, level)) => {}
             Some((_, levels)) => levels.push(level),
-            None => all.push((*outcome, vec![level])),
+            None => all.push((why, vec![level])),
         }
     }
     all

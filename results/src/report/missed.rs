@@ -1,9 +1,10 @@
 //! What ordinary continuation would have missed.
 
 use super::evidence::Evidence;
+use super::predictions::WINDOWS_ALONE;
 use super::verdict::NOTHING;
-use crate::overview::{BranchRow, Level, around_largest, highest, is_unmatched};
-use crate::words::digits;
+use crate::overview::{BranchRow, Level, around_largest, highest, is_unmatched, undecided};
+use crate::words::{self, digits};
 use solver::response::branch::BranchKind;
 
 /// A level with its highest isola and its main branch.
@@ -49,7 +50,13 @@ impl<'r> Evidence<'r> {
             };
         }
         if self.with_isolas().next().is_none() {
-            return format!("{} where it was looked for (see the first answer).", self.none());
+            // An isola that fold curves have, and what may be one.
+            let but = match (self.overlooked(), undecided(self.levels)) {
+                (Some(_), _) => ", though along fold curves one is there",
+                (None, undecided) => undecided,
+            };
+            let place = if self.is_of_windows_alone() { WINDOWS_ALONE } else { "where it was looked for" };
+            return format!("{} {place}{but} (see the first answer).", self.none());
         }
         if self.is_further {
             return "All of it: ordinary continuation follows motions of a shorter period.".into();
@@ -132,6 +139,37 @@ impl<'r> Evidence<'r> {
                 place(row)
             )
         });
-        unconfirmed.into_iter().chain(branched).collect()
+        let elsewhere = self.farther_elsewhere(gain, higher);
+        unconfirmed.into_iter().chain(branched).chain(self.stable_beside(gain)).chain(elsewhere).collect()
+    }
+
+    /// Where nothing of the isola is stable, the largest other one there that is.
+    fn stable_beside(&self, gain: &Gain<'r>) -> Option<String> {
+        let stable = |isola: &'r BranchRow| Some((isola, isola.stability.as_ref()?.largest?));
+        if gain.isola.stability.as_ref().is_none_or(|known| known.largest.is_some()) {
+            return None;
+        }
+        let others = gain.level.isolas().filter_map(stable);
+        let (isola, (omega, size)) = others.max_by(|(_, a), (_, b)| a.1.total_cmp(&b.1))?;
+        let (name, size) = (words::capitalised(&isola.name()), self.length(size));
+        Some(format!(" {name} there is found stable up to {size} at {}.", self.frequency(omega)))
+    }
+
+    /// What branches off another response at another level, and goes farther than all that is compared.
+    fn farther_elsewhere(&self, gain: &Gain<'_>, higher: f64) -> Option<String> {
+        let others = self.levels.iter().filter(|level| level.value != gain.level.value);
+        let branched = |level: &'r Level| level.others().filter(|row| row.kind == BranchKind::Branched.name());
+        let rows = others.flat_map(|level| branched(level).map(move |row| (level, row)));
+        let (level, row) = rows.max_by(|(_, a), (_, b)| a.amplitude_max.total_cmp(&b.amplitude_max))?;
+        let main = level.main().map_or(0.0, |main| main.amplitude_max);
+        (row.amplitude_max > higher.max(main)).then(|| {
+            format!(
+                " At A = {} goes {}, up to {} at {}, which branches off another response: continuation that does not switch branches misses it.",
+                level.amplitude,
+                row.name(),
+                self.size(row),
+                self.frequency(row.omega_at_max)
+            )
+        })
     }
 }

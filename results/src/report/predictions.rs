@@ -4,13 +4,16 @@ use super::evidence::Evidence;
 use super::losses::named;
 use crate::curves::BackboneCurve;
 use crate::overview::{
-    Level, Origin, beyond, born_above, born_below, born_between, forcing_label, is_within, later_birth, overlaps,
-    overlooked, parted_between, told_threshold, truncation_doubt, undecided,
+    Bounds, Level, Origin, beyond, born_above, born_below, born_between, forcing_label, is_within, later_birth,
+    overlaps, overlooked, parted_between, told_threshold, truncation_doubt, undecided,
 };
 use crate::store::CurvePoint;
 use crate::words::{self, count};
 use solver::response::task::SeedOutcome;
 use solver::response::windows::{Event, EventKind};
+
+/// Where isolas were looked for, if in windows alone.
+pub(super) const WINDOWS_ALONE: &str = "in windows of the energy balance, where alone they were looked for";
 
 /// Predicted events of a kind that a sentence names.
 const NAMED: usize = 6;
@@ -25,15 +28,17 @@ impl Evidence<'_> {
     /// them.
     pub(super) fn no_isola(&self) -> String {
         let (levels, curves, bounds) = (self.levels, self.curves, self.bounds);
-        let none = format!("{} where it was looked for{}", self.none(), undecided(levels));
-        if let Some(there) = overlooked(curves, levels, bounds, |omega| self.frequency(omega)) {
-            return format!("{none}{there}.");
+        let place = if self.is_of_windows_alone() { WINDOWS_ALONE } else { "where it was looked for" };
+        let none = format!("{} {place}{}", self.none(), undecided(levels));
+        if let Some(there) = self.overlooked() {
+            return format!("{none}, though along fold curves {there}.");
         }
         let at = |birth: &CurvePoint| {
             let forcing = forcing_label(birth, 5);
             format!("at A = {forcing} ({}{})", self.in_both_units(birth.omega), truncation_doubt(&[birth]))
         };
-        let but = |what: String| format!("{none}, but along fold curves {what}.");
+        let may = if undecided(levels).is_empty() { "" } else { ": what is cut or unfinished above may be it" };
+        let but = |what: String| format!("{none}, but along fold curves {what}{may}.");
         match &born_between(levels, curves, bounds)[..] {
             [only] => return but(format!("one is born between two of the levels, {}", at(only))),
             [first, .., last] => {
@@ -62,6 +67,12 @@ impl Evidence<'_> {
             }
             None => format!("{none}."),
         }
+    }
+
+    /// An isola that fold curves have at levels at which none was found.
+    pub(super) fn overlooked(&self) -> Option<String> {
+        let bounds = Bounds { frequency: self.bounds, amplitude: self.max_amplitude };
+        overlooked(self.curves, self.levels, bounds, |omega| self.frequency(omega), |size| self.length(size))
     }
 
     /// From where on the energy balance alone says that there is more than the main response. A window that is born and

@@ -7,6 +7,7 @@ mod tests;
 
 use super::evidence::{Evidence, OrderFound};
 use super::losses::{losses, named, unknown_beyond};
+use super::predictions::WINDOWS_ALONE;
 use super::ranges::{in_words, joined, over, runs};
 use crate::curves::Touch;
 use crate::overview::{
@@ -127,8 +128,9 @@ impl<'r> Evidence<'r> {
     }
 
     /// Whether isolas were looked for in windows alone.
-    fn is_of_windows_alone(&self) -> bool {
-        self.curves.is_empty()
+    pub(super) fn is_of_windows_alone(&self) -> bool {
+        self.stage == Some(Stage::Finished)
+            && self.curves.is_empty()
             && self.search.starts + self.search.homotopies == 0
             && self.levels.iter().any(|level| !level.windows.is_empty())
     }
@@ -180,6 +182,11 @@ impl<'r> Evidence<'r> {
             Some(highest) => {
                 let ranges = joined(self.with_isolas().flat_map(Level::isolas));
                 let doubt = Doubts::about(self.with_isolas().flat_map(Level::isolas)).sentence();
+                let alone = self
+                    .is_of_windows_alone()
+                    .then_some("Isolas were looked for in windows of the energy balance alone.");
+                let beside = self.overlooked().map(|there| format!("Along fold curves {there}, where none was found."));
+                let more = doubt.into_iter().chain(alone).map(String::from).chain(beside).collect::<Vec<_>>().join(" ");
                 parts.push(format!(
                     "Between {}{}: there an isola, a closed branch apart from the main one, is another periodic response at \
                      the same forcing, with up to {}{}.{}",
@@ -187,7 +194,7 @@ impl<'r> Evidence<'r> {
                     over(&self.with_isolas().collect::<Vec<_>>()),
                     at_monitor(highest),
                     self.stable_part(highest),
-                    doubt.map(|doubt| format!(" {doubt}")).unwrap_or_default()
+                    if more.is_empty() { more } else { format!(" {more}") }
                 ));
                 // Where the main branch goes up farther than the highest isola beside it, that is the greater danger.
                 let level = self.with_isolas().find(|level| level.isolas().any(|isola| std::ptr::eq(isola, highest)));
@@ -291,7 +298,12 @@ impl<'r> Evidence<'r> {
             .replacen("are ", "is ", 1);
         let list = format!("{branches} {}", if branches == 1 { "branch" } else { "branches" });
         let what = if branches == 1 { one.as_str() } else { many };
-        let sentence = format!("{list}, at {}, {what}.", named(&levels));
+        let rows = levels.iter().flat_map(|level| level.others()).filter(|row| row.kind == kind.name());
+        let size = highest(rows).map_or_else(String::new, |row| {
+            let up_to = if row.at_least().is_empty() { "up to " } else { "" };
+            format!(" ({up_to}{})", self.size(row))
+        });
+        let sentence = format!("{list}, at {}{size}, {what}.", named(&levels));
         (branches > 0).then_some((list, sentence))
     }
 
@@ -345,11 +357,7 @@ impl<'r> Evidence<'r> {
             format!(" At A = {} none was found any more where it was looked for{goes_up}.", level.amplitude)
         });
         let isolas = if self.is_one_isola() { "An isola was" } else { "Isolas were" };
-        let alone = if self.is_of_windows_alone() {
-            " in windows of the energy balance, where alone they were looked for,"
-        } else {
-            ""
-        };
+        let alone = if self.is_of_windows_alone() { format!(" {WINDOWS_ALONE},") } else { String::new() };
         format!("{isolas} found{alone} {}{prediction}.{computed}{}", found.join(", and "), end.unwrap_or_default())
     }
 

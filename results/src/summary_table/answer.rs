@@ -26,8 +26,10 @@ pub(super) fn answer(known: &Known, units: Units) -> Vec<String> {
         .chain(amplitude_bound(
             levels,
             &known.mains,
+            &known.curves,
             known.settings.as_ref().and_then(|settings| settings.branch.max_amplitude),
             |size| format!("{} {}", units.length.digits(size), units.length),
+            |omega| units.frequency.told(omega),
         ))
         .chain(
             truncation_of(known.model.as_ref(), levels, known.settings.as_ref(), known.is_further, |omega| {
@@ -37,7 +39,8 @@ pub(super) fn answer(known: &Known, units: Units) -> Vec<String> {
         )
         .chain(
             isolas(levels, known.settings.as_ref().map_or("", search::only_windows))
-                .or_else(|| search::no_isola(known, units.frequency))
+                .map(|found| found + &beside(known, units))
+                .or_else(|| search::no_isola(known, units))
                 .map(|found| found + &detached(levels)),
         )
         .chain(largest(levels, &known.monitors, units))
@@ -77,6 +80,12 @@ fn isolas(levels: &[Level], only: &str) -> Option<String> {
     };
     let only = if only.is_empty() { String::new() } else { format!(",{only}") };
     Some(format!("{found}{so_far} at {share}A = {list}{only}.{doubt}{others}"))
+}
+
+/// What fold curves have at levels at which no isola was found, though at others there are some.
+fn beside(known: &Known, units: Units) -> String {
+    let there = search::overlooked_isola(known, units);
+    there.map_or_else(String::new, |there| format!(" Along fold curves {there}, where none was found."))
 }
 
 /// That what is detached need not be closed.

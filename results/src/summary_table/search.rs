@@ -3,9 +3,9 @@
 use super::known::Known;
 use super::units::{FrequencyUnit, Units};
 use crate::overview::{
-    BranchRow, Excitation, Level, LookedFor, Predicted, Unforced, between_levels, born_above, born_below, born_between,
-    has_joints, level_between, levels_after, overlooked, parted_between, told_threshold, truncation_doubt, undecided,
-    why_no_folds,
+    Bounds, BranchRow, Excitation, Level, LookedFor, Predicted, Unforced, between_levels, born_above, born_below,
+    born_between, has_joints, level_between, levels_after, overlooked, parted_between, told_threshold,
+    truncation_doubt, undecided, why_no_folds,
 };
 use crate::store::{CurvePoint, CurveRow};
 use crate::words::{digits, listed, more_ranges};
@@ -56,27 +56,36 @@ pub(super) fn excitation(known: &Known, units: Units) -> Option<String> {
 }
 
 /// That no level has an isola, once all of them are complete.
-pub(super) fn no_isola(known: &Known, unit: FrequencyUnit) -> Option<String> {
+pub(super) fn no_isola(known: &Known, units: Units) -> Option<String> {
     let (settings, levels) = (known.settings.as_ref()?, known.levels());
     let has_none = |level: &Level| level.is_complete() && level.highest_isola().is_none();
     if levels.is_empty() || !levels.iter().all(has_none) {
         return None;
     }
     let backbones: Vec<&Backbone> = known.backbones.iter().filter_map(|(_, backbone)| backbone.as_ref()).collect();
-    let frequency = |omega| unit.told(omega);
-    if let Some(there) = overlooked(&known.curves, levels, known.bounds(), frequency) {
-        return Some(format!("No isola was found{}{there}.", undecided(levels)));
+    if let Some(there) = overlooked_isola(known, units) {
+        return Some(format!("No isola was found{}, though along fold curves {there}.", undecided(levels)));
     }
     let elsewhere = match born(levels, &known.curves, known.bounds()) {
         // What was computed tells more than an estimate.
         born if born.is_empty() => match parted(levels, &known.curves) {
-            parted if parted.is_empty() => predicted(&between_levels(&backbones, levels, known.bounds()), levels, unit),
+            parted if parted.is_empty() => {
+                predicted(&between_levels(&backbones, levels, known.bounds()), levels, units.frequency)
+            }
             parted => parted,
         },
         born => born,
     };
     let only = only_windows(settings);
     Some(format!("No isola was found{only}{elsewhere}{}.", undecided(levels)))
+}
+
+/// An isola that fold curves have at levels at which none was found.
+pub(super) fn overlooked_isola(known: &Known, units: Units) -> Option<String> {
+    let amplitude = known.settings.as_ref().and_then(|settings| settings.branch.max_amplitude);
+    let bounds = Bounds { frequency: known.bounds(), amplitude };
+    let length = |size| format!("{} {}", units.length.digits(size), units.length);
+    overlooked(&known.curves, known.levels(), bounds, |omega| units.frequency.told(omega), length)
 }
 
 /// That isolas were looked for in windows alone, if so: what follows where they are.

@@ -199,7 +199,7 @@ fn where_the_last_one_ends() {
     assert!(
         danger.contains(" Between 120 and")
             && danger.starts_with(
-                "Not all is known. The main branch at A = 2 is known only in part (open: frequency bound to turned back along itself): \
+                "Not all is known. The main branch at A = 2 is known only in part (turned back along itself): \
                  larger responses may lie beyond. The largest computed response, 3 mm"
             ),
         "{danger}"
@@ -232,10 +232,10 @@ fn a_cancelled_run_says_so_first() {
     assert!(!missed.contains("A = 3"), "{missed}");
     // One that goes on is not finished, whatever it has.
     let [danger, ..] = told(&levels[..2], |evidence| evidence.stage = Some(Stage::Sweep));
-    assert!(danger.starts_with("Not all is known. The run is not finished. Between"), "{danger}");
+    assert!(danger.starts_with("Not all is known. The run is not finished: verifications are still to come, or what follows from its results. Between"), "{danger}");
     let [danger, _, missed] = told(&[level(1.0, vec![main(1e-3)])], |evidence| evidence.stage = Some(Stage::Sweep));
     assert!(
-        danger.contains(" The run is not finished. No isola has been found so far where it was looked for."),
+        danger.contains(" or what follows from its results. No isola has been found so far where it was looked for."),
         "{danger}"
     );
     assert!(
@@ -283,30 +283,37 @@ fn kinds_are_named_for_what_they_are() {
     let levels = [level(1.0, vec![at_least(main(1e-3)), cut.clone(), open]), level(2.0, vec![main(1e-3), cut])];
     let [danger, onset, missed] = texts(&levels);
     // That it is not known of some what they are is said before every answer.
-    let lost = "Not all is known. 2 branches, at A = 1, 2, leave through bounds that were given: whether they are detached is not known.";
+    let lost = "Not all is known. 2 branches, at A = 1, 2 (at least 2 mm), leave through bounds that were given: whether they are detached is not known.";
     assert!(danger.starts_with(&format!("{lost} No isola was found where")), "{danger}");
-    let kind = "1 branch, at A = 1, leaves through the widest bounds at both ends: detached, but not closed.";
+    let kind =
+        "1 branch, at A = 1 (up to 1.5 mm), leaves through the widest bounds at both ends: detached, but not closed.";
     assert!(danger.contains(kind), "{danger}");
     assert!(danger.contains(" The largest computed response, at least 2 mm at tip (gap 0.4 mm)"), "{danger}");
     let brief = "Not all is known (2 branches cut by bounds).";
     assert!(onset.starts_with(&format!("{brief} None was found where")), "{onset}");
-    assert!(missed.starts_with(&format!("{brief} No isola")) && missed.ends_with(kind), "{missed}");
+    assert!(
+        missed.starts_with(&format!(
+            "{brief} No isola was found where it was looked for; what is cut or unfinished may be one"
+        )) && missed.ends_with(kind),
+        "{missed}"
+    );
     let branched = branch("branched", 1, (92.0, 95.0), 2e-3);
     let [danger, ..] = texts(&[level(1.0, vec![main(1e-3), branched.clone()])]);
-    let kind = " 1 branch, at A = 1, branches off other responses, less symmetric than those or of a longer period.";
+    let kind = " 1 branch, at A = 1 (up to 2 mm), branches off other responses, less symmetric than those or of a longer period.";
     assert!(danger.contains(kind) && danger.contains("2 mm at tip (gap 0.4 mm), is on branched 1, at"), "{danger}");
     let [danger, ..] = texts(&[level(1.0, vec![main(1e-3), branched.clone(), branched])]);
-    assert!(danger.contains(" 2 branches, at A = 1, branch off other responses, "), "{danger}");
+    assert!(danger.contains(" 2 branches, at A = 1 (up to 2 mm), branch off other responses, "), "{danger}");
     let unfinished = branch("unfinished", 1, (120.0, 130.0), 2e-3);
     let [danger, ..] = texts(&[level(1.0, vec![main(1e-3), unfinished])]);
     assert!(
-        danger
-            .starts_with("Not all is known. 1 branch, at A = 1, is unfinished: whether it is detached is not known. "),
+        danger.starts_with(
+            "Not all is known. 1 branch, at A = 1 (up to 2 mm), is unfinished: whether it is detached is not known. "
+        ),
         "{danger}"
     );
     let cut = branch("cut", 1, (120.0, 130.0), 2e-3);
     let [danger, ..] = texts(&[level(1.0, vec![main(1e-3), cut])]);
-    let one = "Not all is known. 1 branch, at A = 1, leaves through bounds that were given: whether it is detached is not known. ";
+    let one = "Not all is known. 1 branch, at A = 1 (up to 2 mm), leaves through bounds that were given: whether it is detached is not known. ";
     assert!(danger.starts_with(one), "{danger}");
 }
 
