@@ -55,9 +55,7 @@ pub fn report(study: &Study) -> String {
     lines.extend(touch.as_ref().map(|touch| ("touches", touch.told(study))));
     lines.extend(slip::first_slip(study, &choice.followed).map(|slip| ("slips", slip.told(study))));
     let overdamped = oscillations.overdamped();
-    // Where nothing resonates no law is measured by the response at resonance.
-    let resonant = if overdamped.is_empty() { &choice.followed[..] } else { &[] };
-    let weight = weight::Weight::of(study, resonant);
+    let weight = laws_weight(study, &choice.followed, &overdamped);
     let known = weight.as_ref().filter(|weight| weight.forcing.is_finite());
     lines.extend(known.map(|weight| ("laws", weight.to_string())));
     let ratios = early::epsilon_ratios(model).map(|(low, high)| span([low, high].into_iter()));
@@ -80,6 +78,11 @@ pub fn report(study: &Study) -> String {
         .chain(laws::warnings(study, weight.as_ref()));
     lines.extend(warnings.map(|warning| ("warning", warning)));
     lines.into_iter().map(|(what, text)| format!("{what:<12}{text}\n")).collect()
+}
+
+/// How much laws weigh at the resonances of these modes. Where nothing resonates no law is measured by the response at resonance.
+fn laws_weight(study: &Study, followed: &[usize], overdamped: &[String]) -> Option<weight::Weight> {
+    weight::Weight::of(study, if overdamped.is_empty() { followed } else { &[] })
 }
 
 /// The orders of motions, where several are looked for: where they are, and which resonances they can have.
@@ -108,11 +111,18 @@ fn orders(study: &Study) -> Vec<String> {
 }
 
 /// What a sweep warns of, since it decides what can be found: units, bounds of the frequency, damping, a place that is not determined, a
-/// spring that pushes away. Sentences.
+/// spring that pushes away, laws that hardly do anything. Sentences.
 pub fn warnings_of_sweep(study: &Study) -> Vec<String> {
     let assumed = defaults::damping(study).map(|damping| format!("the damping is {damping}"));
+    let (model, settings) = (&study.model, &study.settings);
+    let overdamped = Oscillations::of(model, settings).overdamped();
+    let weight = laws_weight(study, &ModesFollowed::choose(model, settings).followed, &overdamped);
     let warnings = early::units(study).into_iter().chain(bounds::warnings(study)).chain(damping::without(study));
-    warnings.chain(assumed).chain(undetermined(&study.model)).chain(softening::warnings(study)).collect()
+    let warnings = warnings.chain(early::self_excited(model)).chain(assumed).chain(undetermined(model));
+    warnings
+        .chain(softening::warnings(study))
+        .chain(weight.and_then(|weight| weight.practically_linear(study)))
+        .collect()
 }
 
 /// What a sweep notes, of what may well be meant: that there are very many levels, that nothing resonates within its bounds, where the force acts if nobody said so, stops

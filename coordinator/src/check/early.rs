@@ -47,8 +47,7 @@ pub(super) fn warnings(study: &Study, touch: Option<&FirstTouch<'_>>) -> Vec<Str
     let units = units(study);
     let mut list: Vec<String> = units.iter().cloned().collect();
     list.extend(bounds::warnings(study));
-    list.extend(negative_damping(&study.model).or_else(|| indefinite_damping(&study.model)));
-    list.extend(feeding_laws(&study.model));
+    list.extend(self_excited(&study.model));
     list.extend(nothing_nonlinear(&study.model));
     list.extend(nothing_driven(&study.model));
     let touch = touch.filter(|touch| touch.left_out.is_empty());
@@ -86,6 +85,12 @@ fn frequencies(study: &Study) -> Option<String> {
             "no structure has only modes from {between}: are K and M exchanged, or their units others than N/m and kg?"
         )
     })
+}
+
+/// That a structure is driven by what should damp it.
+pub(super) fn self_excited(model: &Model) -> impl Iterator<Item = String> {
+    let linear = negative_damping(model).or_else(|| indefinite_damping(model));
+    linear.into_iter().chain(feeding_laws(model))
 }
 
 fn negative_damping(model: &Model) -> Option<String> {

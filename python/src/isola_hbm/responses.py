@@ -43,6 +43,8 @@ if TYPE_CHECKING:
 
 #: A main branch is shown at least where it is higher than this share of its peak.
 _HIGH = 0.8
+#: And where it has folds that are higher than this one.
+_TURNS = 0.1
 #: Widths of main branches, of those that branch off others, and of isolas and others.
 _THIN, _MEDIUM, _BOLD = 1.0, 1.6, 2.2
 #: Kinds of branches beside the main ones, as the program has them in legends.
@@ -78,7 +80,9 @@ class _Branch:
     height: Floats
     #: What is known of the stability of the same points.
     stable: Floats
-    #: Frequencies that are to be seen, rad/s.
+    #: Frequencies of its points, rad/s.
+    omega: Floats
+    #: Those that are to be seen, rad/s.
     shown: pd.Series
     #: Names of it and of others that lie on it.
     names: list[str]
@@ -95,6 +99,10 @@ class _Branch:
     @property
     def forcing(self) -> str:
         return f"A = {text(self.row['amplitude'])}"
+
+    def is_high_at(self, point: int) -> bool:
+        """Whether a point is there and no small part of the branch."""
+        return point < len(self.omega) and bool(self.height[point] >= _TURNS * self.height.max())
 
     def narrowed(self, axes: Axes, full: float) -> float:
         """The width of its line on these axes, points: that given, or less where the strands of an isola would touch."""
@@ -176,7 +184,7 @@ def forced_response(
         _fit_height(axes, curves, across)
     elif branches:
         reach = float(summary["omega_min"].min()), float(summary["omega_max"].max())
-        axes.set_xlim(units.frequencies(around(np.concatenate([branch.shown for branch in branches]), reach)))
+        axes.set_xlim(units.frequencies(around(_frequencies(branches, folds), reach)))
     # Amplitudes begin at zero; what is drawn on these axes later may change the limits as before.
     axes.set_ylim(*(up or (0.0, None)), auto=None)
     is_any_narrow = False
@@ -212,6 +220,16 @@ def forced_response(
     return axes
 
 
+def _frequencies(branches: Sequence[_Branch], folds: dict[str, list[int]]) -> Floats:
+    """Frequencies, rad/s, that are to be seen: all of isolas, the upper parts of main branches, and their folds, without which one looks like
+    two; not those of a resonance far from all isolas."""
+    shown = np.concatenate([branch.shown for branch in branches])
+    low, high = float(shown.min()), float(shown.max())
+    far = np.inf if all(branch.is_main for branch in branches) else high - low
+    turns = [branch.omega[i] for branch in branches for i in folds.get(str(branch.row.name), []) if branch.is_high_at(i)]
+    return np.array([low, high, *(omega for omega in turns if low - far <= omega <= high + far)])
+
+
 def _branches(summary: pd.DataFrame, table: pd.DataFrame, units: Units) -> list[_Branch]:
     """Curves to be drawn, each once, in the order of the summary."""
     points = table.groupby("name", sort=False)
@@ -225,7 +243,8 @@ def _branches(summary: pd.DataFrame, table: pd.DataFrame, units: Units) -> list[
         if row["closed"]:
             curve = pd.concat([curve, curve.iloc[:1]])
         at, height = units.frequencies(curve["omega"]).to_numpy(), units.lengths(curve["amplitude"]).to_numpy()
-        branch = _Branch(row, at, height, curve["stable"].to_numpy(), shown, [str(name).partition("/")[2]])
+        omega = curve["omega"].to_numpy()
+        branch = _Branch(row, at, height, curve["stable"].to_numpy(), omega, shown, [str(name).partition("/")[2]])
         same = next((one for one in found if one.is_beneath(branch)), None)
         if same is None:
             found.append(branch)

@@ -3,7 +3,7 @@
 use super::{AMPLITUDES, SettingRow, is_one, monitor};
 use crate::overview::Level;
 use crate::report::Report;
-use crate::words::{digits, listed};
+use crate::words::{count, digits, listed};
 
 /// Levels that are named one by one.
 const NAMED: usize = 3;
@@ -34,8 +34,10 @@ pub(super) fn sentences(names: &[String], reports: &[Report], settings: &[Settin
     let Some((first, others)) = reports.split_first() else { return Vec::new() };
     let of_other = |(place, other): (usize, &Report)| {
         let levels = shared(first, other);
-        let parts = [is_one(&[monitor(first), monitor(other)]).then(|| sizes(&levels)).flatten(), isolas(&levels)];
-        let parts: Vec<String> = parts.into_iter().flatten().collect();
+        let sizes = is_one(&[monitor(first), monitor(other)]).then(|| sizes(&levels)).flatten();
+        let alone = [(first, other, 0), (other, first, place)];
+        let alone = alone.into_iter().filter_map(|(run, against, i)| isolas_alone(&names[i], run, against));
+        let parts: Vec<String> = sizes.into_iter().chain(isolas(&levels)).chain(alone).collect();
         let by = by(settings, place);
         (!parts.is_empty()).then(|| format!("`{}` beside `{}`{by}: {}.", names[place], names[0], parts.join("; ")))
     };
@@ -105,13 +107,27 @@ fn isolas(levels: &[[&Level; 2]]) -> Option<String> {
     let all = levels.len();
     match (ours, theirs) {
         _ if all == 0 => None,
-        (0, 0) => Some("isolas in neither".into()),
+        (0, 0) => Some(format!("isolas in neither at the {} that both have", count(all, "level"))),
         (1, 0) if all == 1 => Some("no isola, where the other has some".into()),
         (0, 1) if all == 1 => Some("isolas, where the other has none".into()),
         (1, 1) if all == 1 => Some("isolas in both".into()),
         (ours, theirs) if ours == theirs => Some(format!("isolas at {ours} of {all} levels in both")),
         (ours, theirs) => Some(format!("isolas at {theirs} of {all} levels instead of {ours}")),
     }
+}
+
+/// Isolas that a run has at levels that the other has not.
+fn isolas_alone(name: &str, run: &Report, against: &Report) -> Option<String> {
+    let has = |level: &Level| against.overview.levels.iter().any(|other| other.value == level.value);
+    let alone = run.overview.levels.iter().filter(|level| level.isolas().next().is_some() && !has(level));
+    let mut list: Vec<String> = alone.map(|level| level.amplitude.clone()).collect();
+    if list.len() > NAMED {
+        let more = list.len() - NAMED;
+        list.truncate(NAMED);
+        list.push(format!("{more} more"));
+    }
+    let levels = if list.len() == 1 { "a level that the other has not" } else { "levels that the other has not" };
+    (!list.is_empty()).then(|| format!("`{name}` has isolas at A = {} too, {levels}", listed(&list)))
 }
 
 #[cfg(test)]
@@ -169,7 +185,7 @@ mod tests {
             isolas(&levels.iter().map(|pair| pair.each_ref()).collect::<Vec<_>>())
         };
         assert_eq!(told(&[]), None);
-        assert_eq!(told(&[[0, 0], [0, 0]]).unwrap(), "isolas in neither");
+        assert_eq!(told(&[[0, 0], [0, 0]]).unwrap(), "isolas in neither at the 2 levels that both have");
         assert_eq!(told(&[[0, 2]]).unwrap(), "isolas, where the other has none");
         assert_eq!(told(&[[1, 0], [1, 1]]).unwrap(), "isolas at 1 of 2 levels instead of 2");
         assert_eq!(told(&[[1, 2], [0, 0]]).unwrap(), "isolas at 1 of 2 levels in both");

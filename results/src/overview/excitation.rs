@@ -6,7 +6,7 @@ use solver::response::backbone::{Backbone, BackbonePoint};
 use solver::structure::Model;
 
 /// What a backbone tells of motions without forcing.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Unforced {
     /// Mode, from 0.
     pub mode: usize,
@@ -19,6 +19,8 @@ pub struct Unforced {
     /// If that is damped: amplitude of the first monitored dof, m, and frequency, rad/s, from which on the laws feed in more than
     /// the damping takes.
     pub fed_from: Option<(f64, f64)>,
+    /// Whether it is the linear damping that feeds in there.
+    pub is_fed_by_damping: bool,
 }
 
 /// A balance of energies this much smaller than the dissipation is round-off.
@@ -37,8 +39,9 @@ impl Unforced {
             before >= 0.0 && behind < -rounding(&pair[1])
         };
         let piece = backbone.pieces().next()?;
-        let pairs = piece.windows(2);
-        let fed_from = pairs.clone().find(begins).map(|pair| {
+        let first = piece.windows(2).find(begins);
+        let is_fed_by_damping = first.is_some_and(|pair| pair[1].energies().linear < 0.0);
+        let fed_from = first.map(|pair| {
             let share = balance(&pair[0]) / (balance(&pair[0]) - balance(&pair[1]));
             let between = |of: fn(&BackbonePoint) -> f64| of(&pair[0]) + share * (of(&pair[1]) - of(&pair[0]));
             (between(|at| at.point.amplitude()), between(|at| at.point.omega()))
@@ -46,7 +49,8 @@ impl Unforced {
         let known = piece.iter().find(|at| balance(at).abs() > rounding(at));
         let is_fed_at_rest = known.is_some_and(|at| balance(at) < 0.0);
         let fed_from = fed_from.filter(|_| lost.linear + lost.nonlinear >= 0.0 && !is_fed_at_rest);
-        Some(Self { mode: backbone.mode, linear: lost.linear, nonlinear: lost.nonlinear, is_fed_at_rest, fed_from })
+        let (mode, linear, nonlinear) = (backbone.mode, lost.linear, lost.nonlinear);
+        Some(Self { mode, linear, nonlinear, is_fed_at_rest, fed_from, is_fed_by_damping })
     }
 
     fn balance(&self) -> f64 {
@@ -112,12 +116,16 @@ impl Excitation {
                  structure can vibrate by itself, from rest and without forcing."
             ));
         }
-        let pushed = known.iter().filter_map(|motion| Some((motion.mode, motion.fed_from?)));
-        if let Some((mode, (amplitude, omega))) = pushed.min_by(|(_, a), (_, b)| a.0.total_cmp(&b.0)) {
+        let pushed = known.iter().filter_map(|motion| Some((motion, motion.fed_from?)));
+        if let Some((motion, (amplitude, omega))) = pushed.min_by(|(_, a), (_, b)| a.0.total_cmp(&b.0)) {
+            let why = match motion.is_fed_by_damping {
+                true => "the linear damping, which drives some motions, feeds energy in",
+                false => "the nonlinear forces feed in more energy than the damping takes",
+            };
             return Some(format!(
-                "Pushed just beyond motions of mode {} of about {} at {}, the structure can vibrate by itself, without forcing: there the \
-                 nonlinear forces feed in more energy than the damping takes. Such motions have a period of their own and are not listed.",
-                mode + 1,
+                "Pushed just beyond motions of mode {} of about {} at {}, the structure can vibrate by itself, without forcing: there {why}. \
+                 Such motions have a period of their own and are not listed.",
+                motion.mode + 1,
                 length(amplitude),
                 rate(omega)
             ));
@@ -164,8 +172,13 @@ mod tests {
 
     #[test]
     fn every_mode_that_is_fed_at_rest_is_told() {
-        let motion =
-            |mode, is_fed_at_rest| Unforced { mode, linear: 1.0, nonlinear: -2.0, is_fed_at_rest, fed_from: None };
+        let motion = |mode, is_fed_at_rest| Unforced {
+            mode,
+            linear: 1.0,
+            nonlinear: -2.0,
+            is_fed_at_rest,
+            ..Unforced::default()
+        };
         let said = |known: &[Unforced]| {
             let told = Excitation::default().sentence(known, |x| x.to_string(), |omega| omega.to_string());
             told.unwrap_or_default()
@@ -173,6 +186,12 @@ mod tests {
         let two = said(&[motion(0, true), motion(1, true), motion(2, false)]);
         assert!(two.contains("more energy into modes 1 and 2 than their damping takes"), "{two}");
         assert!(said(&[motion(1, true)]).contains("more energy into mode 2 than its damping takes"));
+        // A damping matrix that damps each mode may drive motions of several.
+        let pushed = |is_fed_by_damping| {
+            said(&[Unforced { fed_from: Some((2.0, 3.0)), is_fed_by_damping, ..Unforced::default() }])
+        };
+        assert!(pushed(true).contains("there the linear damping, which drives some motions, feeds energy in"));
+        assert!(pushed(false).contains("there the nonlinear forces feed in more energy than the damping takes"));
     }
 
     /// A spring gives back what it takes, however large the motion and whatever rounding says, damped or not.

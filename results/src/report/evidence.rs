@@ -14,6 +14,8 @@ use solver::structure::Model;
 
 /// What the answers are about.
 pub struct Evidence<'r> {
+    /// Number of things that are stored and cannot be read, or are not what was stored.
+    pub damaged: usize,
     /// Levels by forcing amplitude.
     pub levels: &'r [Level],
     /// The backbone of the primary mode, if it is known.

@@ -40,6 +40,12 @@ impl Loss {
 pub(super) fn losses(evidence: &Evidence<'_>) -> Vec<Loss> {
     let levels = evidence.levels;
     let mut list = Vec::new();
+    if evidence.damaged > 0 {
+        let (parts, are) = (count(evidence.damaged, "part"), if evidence.damaged == 1 { "is" } else { "are" });
+        let sentence =
+            format!("The file of the run is damaged: {parts} of it {are} left out, and what was found may be missing.");
+        list.push(Loss::grave("the file is damaged", sentence));
+    }
     match evidence.stage {
         Some(Stage::Cancelled) => list.push(Loss::grave("cancelled", "The run was cancelled.")),
         Some(Stage::Finished) => {}

@@ -156,7 +156,9 @@ impl Report {
         let curves = omissions.read("The list of fold curves is", reader.curves()).unwrap_or_default();
         let pushes = omissions.read("The list of pushes is", reader.pushes()).unwrap_or_default();
         let turned = omissions.read("The list of motions is", reader.motions()).unwrap_or_default();
+        let damaged = omissions.damaged.len();
         let evidence = Evidence {
+            damaged,
             motions: &turned,
             pushes: &pushes,
             levels: &overview.levels,

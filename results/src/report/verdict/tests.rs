@@ -68,6 +68,7 @@ fn structure() -> Structure {
 fn told<'r>(levels: &'r [Level], change: impl FnOnce(&mut Evidence<'r>)) -> [String; 3] {
     let mut evidence = Evidence {
         max_amplitude: None,
+        damaged: 0,
         levels,
         backbone: Some(&BACKBONE),
         further: &[],
@@ -351,8 +352,7 @@ fn what_the_structure_does_of_itself() {
         (-1.0, ": the structure can vibrate by itself, from rest and without forcing."),
         (1.0, ", of which the laws take more at small amplitudes."),
     ] {
-        let unforced =
-            Unforced { mode: 0, linear: -3.0, nonlinear: 3.0 + balance, is_fed_at_rest: false, fed_from: None };
+        let unforced = Unforced { mode: 0, linear: -3.0, nonlinear: 3.0 + balance, ..Unforced::default() };
         let backbone = BackboneCurve { unforced: Some(unforced), ..BACKBONE.clone() };
         let [danger, ..] = told(&levels, |evidence| {
             evidence.structure.excitation.excited = vec![0];
@@ -361,11 +361,11 @@ fn what_the_structure_does_of_itself() {
         assert!(danger.starts_with(&format!("Mode 1 has negative linear damping{so}")), "{danger}");
     }
     let of = |unforced| BackboneCurve { unforced: Some(unforced), ..BACKBONE.clone() };
-    let fed = of(Unforced { mode: 0, linear: 1.0, nonlinear: -2.0, is_fed_at_rest: true, fed_from: None });
+    let fed = of(Unforced { mode: 0, linear: 1.0, nonlinear: -2.0, is_fed_at_rest: true, ..Unforced::default() });
     let [danger, ..] = told(&levels, |evidence| evidence.backbone = Some(&fed));
     assert!(danger.starts_with("At small amplitudes the nonlinear forces feed more energy into mode 1"), "{danger}");
     let pushed =
-        of(Unforced { mode: 0, linear: 1.0, nonlinear: 0.0, is_fed_at_rest: false, fed_from: Some((8e-4, 100.0)) });
+        of(Unforced { mode: 0, linear: 1.0, nonlinear: 0.0, fed_from: Some((8e-4, 100.0)), ..Unforced::default() });
     let [danger, ..] = told(&levels, |evidence| evidence.backbone = Some(&pushed));
     let by_itself = "Pushed just beyond motions of mode 1 of about 0.8 mm at 100 rad/s (15.92 Hz), the structure can vibrate by itself";
     assert!(danger.starts_with(by_itself), "{danger}");
