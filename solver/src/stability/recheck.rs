@@ -9,7 +9,7 @@
 //! these it is checked that they are of what was asked for, and can be.
 
 use super::multipliers::{Multiplier, Verdict};
-use super::polish::{PolishSettings, comparable, share_of_impacts};
+use super::polish::{PolishSettings, comparable, noise_of_impacts, share_of_impacts};
 use super::shooting::{Orbit, Shooting};
 use super::verification::{MarchedOrbit, VerifiedPoint};
 use crate::marching::{Marching, MarchingError};
@@ -115,8 +115,8 @@ pub fn recheck(model: &Model, orbit: &Orbit, point: &VerifiedPoint, with_tangent
     let period = shooting.period(&at)?;
     closes(period.residual.iter().copied())?;
     is_told(&period.amplitudes, told)?;
-    let impacts = share_of_impacts(&period);
-    if (impacts - told.impacts).abs() > IMPACTS * settings.impacts {
+    let (impacts, noise) = (share_of_impacts(&period), noise_of_impacts(&period));
+    if (impacts - told.impacts).abs() > IMPACTS * settings.impacts + noise {
         return Err(NoOrbit::Told { what: "share of energy lost in impacts", own: impacts, told: told.impacts });
     }
     let own = period.multipliers().map_err(|_| NoOrbit::Multipliers)?;
@@ -131,8 +131,9 @@ pub fn recheck(model: &Model, orbit: &Orbit, point: &VerifiedPoint, with_tangent
     let largest = period.multipliers().ok().and_then(|all| all.first().map(Multiplier::excess)).unwrap_or(0.0);
     let (taken, before) = period.account.hardest;
     let near = [impacts / settings.impacts, taken / (settings.struck * before)];
-    let is_close =
-        (largest.abs() - margin).abs() < MULTIPLIERS || near.iter().any(|share| (share - 1.0).abs() < IMPACTS);
+    let is_close = (largest.abs() - margin).abs() < MULTIPLIERS
+        || near.iter().any(|share| (share - 1.0).abs() < IMPACTS)
+        || (impacts - settings.impacts).abs() < noise;
     let is_same = own == point.verdict || own == Verdict::Stable && point.verdict == Verdict::Marginal;
     if is_same || is_close { Ok(()) } else { Err(NoOrbit::Verdict { own, told: point.verdict }) }
 }
