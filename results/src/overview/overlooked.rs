@@ -105,7 +105,6 @@ mod tests {
             amplitude,
             event: (!event.is_empty()).then(|| event.into()),
             doubled: Some((forcing, omega)),
-            ..CurvePoint::default()
         };
         let points = [(0.2, 2.0, 0.1, ""), (4.0, 2.0, 0.5, "merge"), (1.0, 3.0, 1.0, "birth"), (9.0, 4.0, 2.0, "")];
         let curves = [CurveRow { points: points.map(point).to_vec(), ..CurveRow::default() }];
