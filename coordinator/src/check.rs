@@ -94,10 +94,13 @@ fn orders(study: &Study) -> Vec<String> {
         let frequencies = &order.model.modes().frequencies;
         let own: Vec<usize> = (0..frequencies.len()).filter(|&mode| is_within(frequencies[mode])).collect();
         let unit = study.frequency_unit();
-        let bound = |bound: Option<f64>| {
-            bound.map_or_else(|| "its backbones' end".into(), |omega| digits(unit.factor() * omega, 6))
+        let told = |omega: f64| digits(unit.factor() * omega, 6);
+        let between = match (min.map(told), max.map(told)) {
+            (Some(min), Some(max)) => format!("between {min} and {max} {unit}"),
+            (Some(min), None) => format!("from {min} {unit} to 10 % beyond its resonances, which the sweep computes"),
+            (None, Some(max)) => format!("from 10 % below its resonances, which the sweep computes, to {max} {unit}"),
+            (None, None) => "10 % beyond its resonances, which the sweep computes".into(),
         };
-        let between = format!("between {} and {} {unit}", bound(min), bound(max));
         let modes = match &own[..] {
             [] => "no eigenfrequency there".to_string(),
             own => format!("eigenfrequencies there: {}", words::modes(own)),

@@ -103,9 +103,14 @@ fn frequencies_and_lengths_are_in_the_units_of_the_study() {
     let exchanged = MODEL.replace("[[1]]", "[[1e4]]").replace("stiffness = [[1e4]]", "stiffness = [[1]]");
     let (warnings, _) = checked(&exchanged, "0.3", &[("contact.epsilon", "2"), ("units", "\"Hz\"")]);
     assert!(warnings[0].contains("The other way round they lie at 15.9155 to 15.9155 Hz"), "{warnings:?}");
-    let (_, text) =
-        checked(MODEL, "0.1", &[("units", "\"Hz\""), ("search.harmonics", "[1, 2]"), ("harmonics.count", "20")]);
-    assert!(text.contains(" Hz; ") && !text.contains("end rad/s"), "{text}");
+    let orders = [("units", "\"Hz\""), ("search.harmonics", "[1, 2]"), ("harmonics.count", "20")];
+    let (_, text) = checked(MODEL, "0.1", &orders);
+    assert!(
+        text.contains("10 % beyond its resonances, which the sweep computes; ") && !text.contains("rad/s; "),
+        "{text}"
+    );
+    let (_, text) = checked(MODEL, "0.1", &[&orders[..], &[("frequency.max", "400")]].concat());
+    assert!(text.contains(", to 63.662 Hz; ") && text.contains(", to 31.831 Hz; "), "{text}");
     let joint = MODEL.split("[contact]").next().unwrap().to_string()
         + "[[laws]]\nname = \"joint\"\ndof = \"x\"\nlaw = { jenkins = { stiffness = 3e4, limit = 1 } }\n";
     let (_, text) = checked(&joint, "0.1", &[("units", "\"Hz\"")]);

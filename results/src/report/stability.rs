@@ -52,7 +52,7 @@ impl Evidence<'_> {
                 format!(" (unstable there; found stable up to {} at {})", self.length(size), self.frequency(omega))
             }
             None if known.stable > 0.0 => " (unstable there)".into(),
-            None => " (unstable there, and found stable nowhere)".into(),
+            None => " (unstable there, and that isola was found stable nowhere)".into(),
         }
     }
 

@@ -156,7 +156,7 @@ fn an_isola_that_is_unstable_at_its_largest() {
     for (stable, largest, expected) in [
         (0.5, Some((125.0, 9e-4)), " (unstable there; found stable up to 0.9 mm at 125 rad/s (19.89 Hz))"),
         (0.5, None, " (unstable there)"),
-        (0.0, None, " (unstable there, and found stable nowhere)"),
+        (0.0, None, " (unstable there, and that isola was found stable nowhere)"),
     ] {
         let (danger, missed) = told("unstable", stable, largest);
         assert!(danger.contains(&format!("with up to 2 mm at tip{expected}.")), "{danger}");
