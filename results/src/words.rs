@@ -76,6 +76,16 @@ pub fn listed(list: &[String]) -> String {
     }
 }
 
+/// The same of the first of a long list, and how many more there are: `1, 2 and 3 more`.
+pub fn listed_first(mut list: Vec<String>, most: usize) -> String {
+    if list.len() > most {
+        let more = list.len() - most;
+        list.truncate(most);
+        list.push(format!("{more} more"));
+    }
+    listed(&list)
+}
+
 /// So many levels are all named.
 const ALL_NAMED: usize = 12;
 

@@ -3,7 +3,7 @@
 use super::{AMPLITUDES, SettingRow, is_one, monitor};
 use crate::overview::Level;
 use crate::report::Report;
-use crate::words::{count, digits, listed};
+use crate::words::{count, digits, listed, listed_first};
 
 /// Levels that are named one by one.
 const NAMED: usize = 3;
@@ -120,14 +120,9 @@ fn isolas(levels: &[[&Level; 2]]) -> Option<String> {
 fn isolas_alone(name: &str, run: &Report, against: &Report) -> Option<String> {
     let has = |level: &Level| against.overview.levels.iter().any(|other| other.value == level.value);
     let alone = run.overview.levels.iter().filter(|level| level.isolas().next().is_some() && !has(level));
-    let mut list: Vec<String> = alone.map(|level| level.amplitude.clone()).collect();
-    if list.len() > NAMED {
-        let more = list.len() - NAMED;
-        list.truncate(NAMED);
-        list.push(format!("{more} more"));
-    }
+    let list: Vec<String> = alone.map(|level| level.amplitude.clone()).collect();
     let levels = if list.len() == 1 { "a level that the other has not" } else { "levels that the other has not" };
-    (!list.is_empty()).then(|| format!("`{name}` has isolas at A = {} too, {levels}", listed(&list)))
+    (!list.is_empty()).then(|| format!("`{name}` has isolas at A = {} too, {levels}", listed_first(list, NAMED)))
 }
 
 #[cfg(test)]

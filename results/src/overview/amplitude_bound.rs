@@ -2,7 +2,7 @@
 
 use super::level::Level;
 use crate::store::{CurvePoint, CurveRow, WindowOutcome};
-use crate::words::{digits, listed};
+use crate::words::{digits, listed_first};
 use solver::response::branch::{Outcome, Stop};
 use solver::response::task::SeedOutcome;
 
@@ -38,7 +38,8 @@ pub fn amplitude_bound(
     let main = format!("{} there", if cut.len() == 1 { "a main branch goes on" } else { "main branches go on" });
     let windows = "the energy balance predicts responses outside the bounds of frequency or amplitude".to_string();
     let reasons = [(cut, main), (predicted, windows)].into_iter().filter(|(levels, _)| !levels.is_empty());
-    let reasons: Vec<String> = reasons.map(|(levels, what)| format!("{what} at A = {}", shortened(levels))).collect();
+    let mut reasons: Vec<String> =
+        reasons.map(|(levels, what)| format!("{what} at A = {}", listed_first(levels, NAMED))).collect();
     let bound = match given {
         Some(size) => format!("{} (branch.max_amplitude)", length(size)),
         None => "the bound of the amplitude (branch.max_amplitude gives another)".into(),
@@ -51,12 +52,11 @@ pub fn amplitude_bound(
             digits(fold.forcing, DIGITS)
         )
     });
-    let mut what: Vec<String> = reasons.into_iter().collect();
-    if what.is_empty() && !farther.is_empty() {
-        what.push("what is cut there may go on".into());
+    if reasons.is_empty() && !farther.is_empty() {
+        reasons.push("what is cut there may go on".into());
     }
-    (!what.is_empty())
-        .then(|| format!("Responses larger than {bound} were not followed: {}.{farther}", what.join(", and ")))
+    (!reasons.is_empty())
+        .then(|| format!("Responses larger than {bound} were not followed: {}.{farther}", reasons.join(", and ")))
 }
 
 /// The point of fold curves among the levels with the largest amplitude.
@@ -65,15 +65,6 @@ fn highest_fold<'c>(levels: &[Level], curves: &'c [CurveRow]) -> Option<&'c Curv
     let range = values().fold(f64::INFINITY, f64::min)..=values().fold(0.0, f64::max);
     let points = curves.iter().flat_map(|curve| &curve.points).filter(|point| range.contains(&point.forcing));
     points.max_by(|a, b| a.amplitude.total_cmp(&b.amplitude))
-}
-
-fn shortened(mut levels: Vec<String>) -> String {
-    if levels.len() > NAMED {
-        let more = levels.len() - NAMED;
-        levels.truncate(NAMED);
-        levels.push(format!("{more} more"));
-    }
-    listed(&levels)
 }
 
 #[cfg(test)]

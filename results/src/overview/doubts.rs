@@ -2,7 +2,7 @@
 
 use super::modes::not_started;
 use crate::store::{CurveRow, GRAZING, Reader, Result};
-use crate::words::{count, digits, listed};
+use crate::words::{count, digits, listed_first};
 use protocol::backbone::BackboneMessage;
 use protocol::to_everyone::Stage;
 use solver::response::branch::{Outcome, Stop};
@@ -82,13 +82,7 @@ pub fn doubts(reader: &Reader) -> Result<Option<String>> {
 /// Where levels are, each once: `at A = 3, 4 and 5`.
 fn at(reader: &Reader, numbers: &[i64]) -> Result<String> {
     let levels = reader.levels()?.into_iter().filter(|(number, ..)| numbers.contains(number));
-    let mut names: Vec<String> = levels.map(|(_, name, _)| name).collect();
-    if names.len() > LEVELS {
-        let more = names.len() - LEVELS;
-        names.truncate(LEVELS);
-        names.push(format!("{more} more"));
-    }
-    Ok(format!("at A = {}", listed(&names)))
+    Ok(format!("at A = {}", listed_first(levels.map(|(_, name, _)| name).collect(), LEVELS)))
 }
 
 /// Which keys allow more points, if some of these curves used up theirs.

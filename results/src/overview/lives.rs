@@ -91,7 +91,9 @@ pub(super) fn folds_at(curves: &[CurveRow], point: &CurvePoint, forcing: f64) ->
         let at = curve.points.iter().position(|other| other.event == point.event && point.is_at(other))?;
         let fold = |is_onwards: bool| {
             let edge = edge(curve, at, is_onwards, is_birth);
-            let passes = |pair: &&[&CurvePoint]| (pair[0].forcing - forcing) * (pair[1].forcing - forcing) <= 0.0;
+            let passes = |pair: &&[&CurvePoint]| {
+                pair[0].forcing != pair[1].forcing && (pair[0].forcing - forcing) * (pair[1].forcing - forcing) <= 0.0
+            };
             let pair = edge.path.windows(2).find(passes)?;
             let share = (forcing - pair[0].forcing) / (pair[1].forcing - pair[0].forcing);
             let between = |of: fn(&CurvePoint) -> f64| of(pair[0]) + share * (of(pair[1]) - of(pair[0]));
