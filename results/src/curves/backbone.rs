@@ -34,6 +34,8 @@ pub struct BackboneCurve {
     pub is_crowded: bool,
     /// Up to where its energy balance is known; `None` without a point.
     pub end: Option<BackboneEnd>,
+    /// Whether it ends there since the run began with smaller levels.
+    pub falls_short: bool,
     /// What it tells of motions without forcing; `None` without a point.
     pub unforced: Option<Unforced>,
     /// Frequency. It, amplitudes and arc are NaN at the first point of every piece but one, where lines break.
@@ -148,6 +150,7 @@ impl BackboneCurve {
             pieces,
             is_crowded: backbone.is_crowded(),
             end: backbone.end(),
+            falls_short: false,
             unforced: Unforced::of(backbone),
         }
     }

@@ -18,6 +18,8 @@ pub struct LookedFor<'r> {
     pub levels: &'r [Level],
     /// Modes whose backbones are known, from 0, that of the primary mode first, each with where its backbone ends.
     pub backbones: Vec<(usize, Option<BackboneEnd>)>,
+    /// Modes, from 0, whose backbones end where they do since the run began with smaller levels.
+    pub short: Vec<usize>,
     /// Modes, from 0, whose backbones are crossed by as many curves as are followed, or more.
     pub crowded: Vec<usize>,
     /// Which modes were followed and which not, if that is known.
@@ -37,6 +39,9 @@ pub struct LookedFor<'r> {
     /// Whether there are joints (Jenkins elements), which may stick.
     pub has_joints: bool,
 }
+
+/// What helps where levels were added beyond those that a backbone was followed for.
+const FARTHER: &str = " (this run began with smaller levels: a sweep of its own with all of them looks farther)";
 
 /// A joint that never slips keeps what force it has, anything up to its limit: a continuum of motions, of which one is followed.
 const STUCK: &str = " Where a joint sticks throughout only the motion that keeps no force in it was looked for: with a force kept, \
@@ -242,14 +247,17 @@ impl LookedFor<'_> {
         let highest = self.levels.iter().map(|level| level.value).fold(0.0, f64::max);
         let end = |&(mode, end): &(usize, Option<BackboneEnd>)| {
             let end = end.filter(|end| end.threshold < highest)?;
-            let (mode, threshold) = (words::modes(&[mode]), digits(end.threshold, 3));
+            let (name, threshold) = (words::modes(&[mode]), digits(end.threshold, 3));
             let place = match end.branch_point {
                 Some(omega) => format!("at a branch point near {}, beyond A* = {threshold}", words::frequency(omega)),
                 None => format!("at A* = {threshold}"),
             };
-            Some(format!("; the backbone of {mode} ends {place}, and no window beyond was looked for"))
+            Some((mode, format!("; the backbone of {name} ends {place}, and no window beyond was looked for")))
         };
-        self.backbones.iter().filter_map(end).chain(self.across()).collect()
+        let ends: Vec<(usize, String)> = self.backbones.iter().filter_map(end).collect();
+        let are_short = ends.iter().any(|(mode, _)| self.short.contains(mode));
+        let farther = are_short.then(|| FARTHER.to_string());
+        ends.into_iter().map(|(_, told)| told).chain(farther).chain(self.across()).collect()
     }
 
     /// Whose backbones may be crossed by more curves than were followed.
@@ -281,6 +289,7 @@ mod tests {
         LookedFor {
             levels,
             backbones: vec![(0, None), (1, None)],
+            short: Vec::new(),
             crowded: Vec::new(),
             modes: None,
             all_modes: 2,
@@ -347,7 +356,7 @@ mod tests {
         told.backbones = [(0, at_bound), (1, BackboneEnd { branch_point: Some(60.0), ..at_bound })]
             .map(|(mode, end)| (mode, Some(end)))
             .to_vec();
-        told.crowded = vec![1];
+        (told.crowded, told.short) = (vec![1], vec![0]);
         let choice =
             ModesFollowed { followed: vec![0, 1], left_out: vec![(2, LeftOut::TooMany), (3, LeftOut::OutOfRange)] };
         told.modes = Some(&choice);
@@ -356,9 +365,9 @@ mod tests {
             "64 random starts (none at some levels)",
             "; not of mode 3 (more than are followed",
             "; folds were not followed (a law has a corner)",
-            "; the backbone of mode 1 ends at A* = 2.5, and no window beyond was looked for; the backbone of mode 2 ends at a branch point near \
-             60 rad/s (9.549 Hz), beyond A* = 2.5, and no window beyond was looked for; of the curves that cross the backbone of mode 2, 8 \
-             were followed, and there may be more;",
+            "; the backbone of mode 1 ends at A* = 2.5, and no window beyond was looked for; the backbone of mode 2 ends at a branch point near 60 \
+             rad/s (9.549 Hz), beyond A* = 2.5, and no window beyond was looked for (this run began with smaller levels: a sweep of its own \
+             with all of them looks farther); of the curves that cross the backbone of mode 2, 8 were followed, and there may be more;",
         ] {
             assert!(said.contains(part), "{said}");
         }

@@ -1,5 +1,6 @@
 //! What the answers of a report are drawn from.
 
+use super::ordinary::Ordinary;
 use crate::curves::{BackboneCurve, Monitor, Touch};
 use crate::overview::{Excitation, Lesser, Level, LookedFor, has_joints, undetermined};
 use crate::store::{CurveRow, MotionRow, PushRow, SearchCounts};
@@ -58,6 +59,8 @@ pub struct Evidence<'r> {
     pub orders: Vec<OrderFound>,
     /// Whether these are motions of a further order, of which no main branches are followed.
     pub is_further: bool,
+    /// The main branch under the same force as the highest isola of these.
+    pub ordinary: Option<Ordinary>,
     /// Units of the run.
     pub units: Units,
 }
@@ -118,6 +121,7 @@ impl<'r> Evidence<'r> {
         LookedFor {
             levels: self.levels,
             backbones: self.backbones().map(|backbone| (backbone.mode, backbone.end)).collect(),
+            short: self.backbones().filter(|backbone| backbone.falls_short).map(|backbone| backbone.mode).collect(),
             crowded: self.backbones().filter(|backbone| backbone.is_crowded).map(|backbone| backbone.mode).collect(),
             modes: self.modes,
             all_modes: self.structure.modes,

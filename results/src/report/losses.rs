@@ -71,19 +71,7 @@ pub(super) fn losses(evidence: &Evidence<'_>) -> Vec<Loss> {
         let sentence = format!("{results} contradicted by other workers, at {}.", of.named);
         list.push(Loss::new(format!("{results} contradicted"), sentence));
     }
-    for (level, reason) in levels.iter().filter_map(|level| Some((level, level.main_failure.as_deref()?))) {
-        let at = &level.amplitude;
-        list.push(match level.main() {
-            None => {
-                let sentence = format!("There is no main branch at A = {at}: {reason}.");
-                Loss::grave(format!("no main branch at A = {at}"), sentence)
-            }
-            Some(_) => {
-                let sentence = format!("At A = {at} no main branch starts at one of the two sides: {reason}.");
-                Loss::grave(format!("one side without a start at A = {at}"), sentence)
-            }
-        });
-    }
+    list.extend(without_mains(levels));
     for (why, levels) in unfinished_mains(evidence) {
         let (mains, are) = if levels.len() == 1 { ("main branch", "is") } else { ("main branches", "are") };
         let mains = format!("{mains} at {}", named(&levels));
@@ -182,6 +170,31 @@ pub(super) fn losses(evidence: &Evidence<'_>) -> Vec<Loss> {
         list.push(Loss::new(brief.clone(), format!("{brief}: whether these branches are stable is not known.")));
     }
     list
+}
+
+/// Where main branches do not start, and why.
+fn without_mains(levels: &[Level]) -> Vec<Loss> {
+    let mut all: Vec<(bool, &str, Vec<&Level>)> = Vec::new();
+    for (level, reason) in levels.iter().filter_map(|level| Some((level, level.main_failure.as_deref()?))) {
+        let has_main = level.main().is_some();
+        match all.iter_mut().find(|(other, why, _)| (*other, *why) == (has_main, reason)) {
+            Some((.., levels)) => levels.push(level),
+            None => all.push((has_main, reason, vec![level])),
+        }
+    }
+    let loss = |(has_main, reason, levels): (bool, &str, Vec<&Level>)| {
+        let at = named(&levels);
+        match has_main {
+            false => {
+                Loss::grave(format!("no main branch at {at}"), format!("There is no main branch at {at}: {reason}."))
+            }
+            true => Loss::grave(
+                format!("one side without a start at {at}"),
+                format!("At {at} no main branch starts at one of the two sides: {reason}."),
+            ),
+        }
+    };
+    all.into_iter().map(loss).collect()
 }
 
 /// Why main branches are not followed to their ends, with the levels of which that is so.

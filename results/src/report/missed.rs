@@ -1,6 +1,7 @@
 //! What ordinary continuation would have missed.
 
 use super::evidence::Evidence;
+use super::ordinary::highest_of_all;
 use super::predictions::WINDOWS_ALONE;
 use super::verdict::NOTHING;
 use crate::overview::{BranchRow, Level, around_largest, highest, is_unmatched, undecided};
@@ -59,12 +60,34 @@ impl<'r> Evidence<'r> {
             return format!("{} {place}{but} (see the first answer).", self.none());
         }
         if self.is_further {
-            return "All of it: ordinary continuation follows motions of a shorter period.".into();
+            return format!("All of it: ordinary continuation follows motions of a shorter period.{}", self.ordinary());
         }
         match self.largest_gain() {
             None => "Ordinary continuation has no main branch to compare the isolas with: see the account.".into(),
             Some(gain) => self.compared(&gain) + &self.farther(&gain),
         }
+    }
+
+    /// The highest isola of a further order beside the main branch under the same force.
+    fn ordinary(&self) -> String {
+        let Some((ordinary, (level, isola))) = self.ordinary.zip(highest_of_all(self.levels)) else {
+            return String::new();
+        };
+        let ratio = isola.amplitude_max / ordinary.amplitude;
+        let what = if ordinary.is_of_main { "main branch" } else { "linear response" };
+        let compared = match ratio {
+            ratio if ratio >= 2.0 => format!("{} times the", digits(ratio, 2)),
+            ratio if ratio >= 1.0 => format!("{:.0} % more than the", (ratio - 1.0) * 100.0),
+            ratio => format!("{:.0} % less than the", (1.0 - ratio) * 100.0),
+        };
+        format!(
+            " At A = {} an isola goes up to {} at {}, {compared} {} of the {what} where the force has the same frequency, {}.",
+            level.amplitude,
+            self.size(isola),
+            self.frequency(isola.omega_at_max),
+            self.length(ordinary.amplitude),
+            self.frequency(ordinary.omega)
+        )
     }
 
     /// Where an isola goes up farthest beyond the main branch: of isolas that are confirmed and of main branches known to their ends, if there

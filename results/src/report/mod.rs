@@ -5,6 +5,7 @@ mod evidence;
 mod fit;
 mod losses;
 mod missed;
+mod ordinary;
 mod predictions;
 mod ranges;
 mod read;

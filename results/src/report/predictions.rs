@@ -23,6 +23,13 @@ fn earliest_of<'e>(births: &[(&'e BackboneCurve, &'e Event)]) -> Option<(&'e Bac
     births.iter().copied().min_by(|(_, a), (_, b)| a.threshold.total_cmp(&b.threshold))
 }
 
+/// The forcing from which on a window is one with what its piece of the backbone begins with.
+fn barrier((backbone, birth): &(&BackboneCurve, &Event)) -> f64 {
+    let piece = backbone.pieces.iter().find(|piece| piece.points.contains(&birth.index));
+    let first = piece.map_or(0, |piece| piece.points.start);
+    backbone.threshold.values[first..birth.index].iter().copied().fold(0.0, f64::max)
+}
+
 impl Evidence<'_> {
     /// That there is no isola at the levels, and what fold curves have of isolas nevertheless: at the levels, else between, below or above
     /// them.
@@ -75,15 +82,9 @@ impl Evidence<'_> {
         overlooked(self.curves, self.levels, bounds, |omega| self.frequency(omega), |size| self.length(size))
     }
 
-    /// From where on the energy balance alone says that there is more than the main response. A window that is born and
-    /// merges between two levels is no news.
-    pub(super) fn prediction(&self) -> String {
-        if self.backbone.is_none() {
-            return String::new();
-        }
-        let mode = self.looked_for().mode();
+    /// Births of the energy balance that are met within the bounds.
+    fn births(&self) -> impl Iterator<Item = (&BackboneCurve, &Event)> {
         let births = self.backbones().flat_map(|backbone| backbone.events.iter().map(move |event| (backbone, event)));
-        let births = births.filter(|(_, event)| event.kind == EventKind::Birth);
         // What is predicted beyond the frequencies of the study counts where its windows reach into them.
         let is_met = |(backbone, birth): &(&BackboneCurve, &Event)| {
             let windows = self.levels.iter().flat_map(|level| &level.windows);
@@ -91,13 +92,28 @@ impl Evidence<'_> {
             is_within(self.bounds, birth.omega)
                 || own.any(|window| (window.points[0]..=window.points[1]).contains(&birth.index))
         };
-        let births = births.filter(is_met);
-        // The forcing from which on a window is one with what its piece of the backbone begins with.
-        let barrier = |(backbone, birth): &(&BackboneCurve, &Event)| {
-            let piece = backbone.pieces.iter().find(|piece| piece.points.contains(&birth.index));
-            let first = piece.map_or(0, |piece| piece.points.start);
-            backbone.threshold.values[first..birth.index].iter().copied().fold(0.0, f64::max)
-        };
+        births.filter(|(_, event)| event.kind == EventKind::Birth).filter(is_met)
+    }
+
+    /// Where beyond all levels the energy balance first has a separate response: `from A = 2 on, near 3 rad/s`.
+    pub(super) fn predicted_above(&self) -> Option<String> {
+        let values = || self.levels.iter().map(|level| level.value);
+        let highest = values().fold(0.0, f64::max);
+        let above: Vec<_> =
+            self.births().filter(|birth| (highest..barrier(birth)).contains(&birth.1.threshold)).collect();
+        let (_, birth) = earliest_of(&above)?;
+        let (from, near) = (told_threshold(birth.threshold, values()), self.frequency(birth.omega));
+        Some(format!("from A = {from} on, near {near}{}", beyond(self.bounds, birth.omega)))
+    }
+
+    /// From where on the energy balance alone says that there is more than the main response. A window that is born and
+    /// merges between two levels is no news.
+    pub(super) fn prediction(&self) -> String {
+        if self.backbone.is_none() {
+            return String::new();
+        }
+        let mode = self.looked_for().mode();
+        let births = self.births();
         let is_separate = |birth: &(&BackboneCurve, &Event)| {
             let apart = birth.1.threshold..barrier(birth);
             self.levels.iter().any(|level| apart.contains(&level.value))
@@ -124,8 +140,9 @@ impl Evidence<'_> {
                 // What it predicts and was not found is among the details.
                 String::new()
             } else {
+                let above = self.predicted_above().map_or_else(String::new, |above| format!(", but one {above}"));
                 format!(
-                    "; the energy balance of {mode} predicts no separate response at the levels and frequencies of the run"
+                    "; the energy balance of {mode} predicts no separate response at the levels and frequencies of the run{above}"
                 )
             };
         };

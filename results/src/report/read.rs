@@ -3,6 +3,7 @@
 use super::account::CostAccount;
 use super::evidence::{Evidence, OrderFound, Structure};
 use super::fit::fit_windows;
+use super::ordinary::Ordinary;
 use super::verdict::Sentence;
 use super::verdict::verdict;
 use crate::clock::now;
@@ -135,10 +136,15 @@ impl Report {
 
         let backbone = omissions.read("The backbone is", read_backbone(reader, &Size::of(&model)));
         omissions.missing.extend(unfinished(&overview.levels, backbone.as_ref().is_none_or(Option::is_some)));
-        let mut backbone = backbone.flatten().map(|backbone| BackboneCurve::new(&backbone, &model));
+        let highest = overview.levels.iter().map(|level| level.value).fold(0.0, f64::max);
+        let curve = |backbone: &Backbone| {
+            let falls_short = backbone.falls_short(&model, &header.settings, highest);
+            BackboneCurve { falls_short, ..BackboneCurve::new(backbone, &model) }
+        };
+        let mut backbone = backbone.flatten().as_ref().map(curve);
         let further =
             omissions.read("Further backbones are", read_further(reader, &Size::of(&model))).unwrap_or_default();
-        let mut further: Vec<BackboneCurve> = further.iter().map(|one| BackboneCurve::new(one, &model)).collect();
+        let mut further: Vec<BackboneCurve> = further.iter().map(curve).collect();
         let modes = omissions.read("Which modes were followed is", reader.modes()).flatten();
         fit_windows(&mut overview, backbone.as_ref().into_iter().chain(&further), &mut omissions);
         for backbone in backbone.iter_mut().chain(&mut further) {
@@ -180,6 +186,7 @@ impl Report {
             asked: orders(&model, &header.settings.search),
             orders: further_orders(reader, &mut omissions),
             is_further: reader.order().is_some(),
+            ordinary: Ordinary::beside(reader, &overview.levels, &model, &header.settings),
             units: units.or(UnitChoice::of_study(&header.study)).of_table(),
         };
         let mut report = Self {

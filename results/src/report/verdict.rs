@@ -309,7 +309,9 @@ impl<'r> Evidence<'r> {
 
     fn onset(&self) -> String {
         if self.has_nothing() {
-            return format!("{NOTHING} (see the first answer).");
+            let above = self.predicted_above();
+            let above = above.map_or_else(String::new, |above| format!("; the energy balance predicts one {above}"));
+            return format!("{NOTHING} (see the first answer){above}.");
         }
         if self.is_empty() && self.is_over() {
             return "Not known: no branch was found.".into();

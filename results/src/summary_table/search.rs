@@ -27,9 +27,14 @@ pub(super) fn looked_for(known: &Known) -> Option<String> {
     let why = why_no_folds(model, settings);
     let end = |(mode, backbone): &(usize, Option<Backbone>)| (*mode, backbone.as_ref().and_then(Backbone::end));
     let is_crowded = |(_, backbone): &&(usize, Option<Backbone>)| backbone.as_ref().is_some_and(Backbone::is_crowded);
+    let highest = known.levels().iter().map(|level| level.value).fold(0.0, f64::max);
+    let is_short = |(_, backbone): &&(usize, Option<Backbone>)| {
+        backbone.as_ref().is_some_and(|backbone| backbone.falls_short(model, settings, highest))
+    };
     let looked_for = LookedFor {
         levels: known.levels(),
         backbones: known.backbones.iter().map(end).collect(),
+        short: known.backbones.iter().filter(is_short).map(|(mode, _)| *mode).collect(),
         crowded: known.backbones.iter().filter(is_crowded).map(|(mode, _)| *mode).collect(),
         modes: known.modes.as_ref(),
         all_modes: model.size(),

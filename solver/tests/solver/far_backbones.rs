@@ -37,6 +37,9 @@ fn an_isola_beyond_where_backbones_end_by_themselves() {
     let highest = |list: &[Backbone]| list[0].points.iter().map(|point| point.threshold()).fold(0.0, f64::max);
     let (by_itself, backbones) = (reaching(0.0), reaching(2.55));
     assert!(highest(&by_itself) < 2.5 && highest(&backbones) > 5.1, "{} {}", highest(&by_itself), highest(&backbones));
+    // Where levels are added to a run, it is known that its backbones do not reach so far.
+    let short = |list: &[Backbone]| list[0].falls_short(&model, &settings, 2.55);
+    assert!(short(&by_itself) && !short(&backbones));
     let study = Study { model, settings, backbones };
     let level = study.level(2.55);
     let isolas = of_kind(&level, Kind::Isola);

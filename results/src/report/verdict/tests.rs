@@ -1,5 +1,6 @@
 //! Sentence by sentence: nothing that is said is more than what is known.
 
+mod orders;
 mod predictions;
 mod stability;
 
@@ -89,6 +90,7 @@ fn told<'r>(levels: &'r [Level], change: impl FnOnce(&mut Evidence<'r>)) -> [Str
         asked: vec![1],
         orders: Vec::new(),
         is_further: false,
+        ordinary: None,
         units: Units::default(),
     };
     change(&mut evidence);

@@ -32,6 +32,9 @@ const SPAN: f64 = 4.0;
 /// How many times as far it is followed again where that is not far enough for the forcing, and how often.
 const FARTHER: (f64, usize) = (4.0, 5);
 
+/// Share of the farthest amplitude beyond which it has been followed as far as it ever is.
+const NEARLY: f64 = 0.99;
+
 /// It is far enough once its threshold is this many times the forcing.
 const ENOUGH: f64 = 2.0;
 
@@ -253,6 +256,13 @@ impl Backbone {
         Ok(Self::with_crossing(problem, way, walked, observer))
     }
 
+    /// Whether it ends where it does for want of forcing: of levels up to `forcing` a sweep follows it farther from the first.
+    pub fn falls_short(&self, model: &Model, settings: &Settings, forcing: f64) -> bool {
+        let (farther, times) = FARTHER;
+        let farthest = farther.powi(times as i32) * FOLLOWED * Scales::new(model, self.mode).length;
+        !self.is_enough(model, settings, forcing) && self.max_amplitude() < NEARLY * farthest
+    }
+
     /// Whether no piece ends at a bound that may be moved where its threshold is not beyond a forcing amplitude. At low frequencies the
     /// threshold falls, and beyond frequencies that are not looked at it does not matter.
     fn is_enough(&self, model: &Model, settings: &Settings, forcing: f64) -> bool {
@@ -261,6 +271,7 @@ impl Backbone {
             let omega = end.point.omega();
             let is_fixed = match stop {
                 Stop::AmplitudeBound => limits.max_amplitude.is_some(),
+                Stop::ForcingBound => false,
                 Stop::FrequencyBound => {
                     omega < own
                         || limits.max_frequency.is_some()

@@ -173,6 +173,26 @@ fn windows_that_no_level_sees_apart_are_told() {
     assert!(said.contains(" and already from A = 0.003 to 0.0055, where the run has no level"), "{said}");
     let said = onset(&births[1..]);
     assert!(said.contains("from A = 0.004 on") && !said.contains("already"), "{said}");
+    // Where all of them lie above the levels it is told which forcing to try.
+    let further = [BackboneCurve { mode: 1, events: births.clone(), ..curve.clone() }];
+    let of = |order: &[Level], is_further: bool| {
+        let [_, onset, _] = told(order, |evidence| (evidence.further, evidence.is_further) = (&further, is_further));
+        onset
+    };
+    let nothing = |forcing| [Level { is_without_mains: true, ..level(forcing, Vec::new()) }];
+    let said = of(&[level(0.001, vec![main(1e-3)])], false);
+    let none =
+        " predicts no separate response at the levels and frequencies of the run, but one from A = 0.003 on, near ";
+    assert!(said.contains(none), "{said}");
+    let said = of(&nothing(0.001), true);
+    assert!(
+        said.starts_with(&format!(
+            "{NOTHING} (see the first answer); the energy balance predicts one from A = 0.003 on, near "
+        )),
+        "{said}"
+    );
+    let said = of(&nothing(0.02), true);
+    assert_eq!(said, format!("{NOTHING} (see the first answer)."));
 }
 
 /// Births and merges that the balance has between the levels stand beside what fold curves compute, as estimates.
