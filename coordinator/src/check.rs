@@ -114,16 +114,20 @@ fn orders(study: &Study) -> Vec<String> {
 }
 
 /// What a sweep warns of, since it decides what can be found: units, bounds of the frequency, damping, a place that is not determined, a
-/// spring that pushes away, laws that hardly do anything. Sentences.
+/// spring that pushes away, laws that hardly do anything, levels far beyond what touches. Sentences.
 pub fn warnings_of_sweep(study: &Study) -> Vec<String> {
     let assumed = defaults::damping(study).map(|damping| format!("the damping is {damping}"));
     let (model, settings) = (&study.model, &study.settings);
     let overdamped = Oscillations::of(model, settings).overdamped();
-    let weight = laws_weight(study, &ModesFollowed::choose(model, settings).followed, &overdamped);
+    let followed = ModesFollowed::choose(model, settings).followed;
+    let weight = laws_weight(study, &followed, &overdamped);
+    let touch = touch::first_touch(study, &followed);
+    let far_beyond = touch.and_then(|touch| early::far_beyond(study, &touch));
     let warnings = early::units(study).into_iter().chain(bounds::warnings(study)).chain(damping::without(study));
     let warnings = warnings.chain(early::self_excited(model)).chain(assumed).chain(undetermined(model));
     warnings
         .chain(softening::warnings(study))
+        .chain(far_beyond)
         .chain(weight.and_then(|weight| weight.practically_linear(study)))
         .collect()
 }

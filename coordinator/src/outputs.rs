@@ -160,7 +160,6 @@ fn page(
     beside: &[results::page::PageOfOrder],
 ) -> Result<(String, Omissions), Error> {
     use results::report::{Report, Selection};
-    use results::summary_table::wrapped;
     let _snapshot = reader.snapshot()?;
     let levels = chosen_levels(reader, args.levels.as_deref())?;
     let selection = levels.map_or(Selection::Fitting, Selection::Amplitudes);
@@ -170,8 +169,7 @@ fn page(
     }
     export::write_atomically(file, results::page::report(&report, beside).as_bytes())?;
     let width = crate::display::width();
-    let answers = (report.verdict.iter())
-        .map(|answer| wrapped(&format!("{} {}", answer.title, answer.whole()), width, "") + "\n");
+    let answers = report.verdict.iter().map(|answer| answer.lines(width) + "\n\n");
     Ok((format!("{}{}\n", answers.collect::<String>(), file.display()), report.omissions))
 }
 

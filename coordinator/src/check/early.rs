@@ -44,15 +44,13 @@ pub(super) fn epsilon_ratios(model: &Model) -> Option<(f64, f64)> {
 
 /// Sentences about what is probably not meant.
 pub(super) fn warnings(study: &Study, touch: Option<&FirstTouch<'_>>) -> Vec<String> {
-    let units = units(study);
-    let mut list: Vec<String> = units.iter().cloned().collect();
+    let mut list: Vec<String> = units(study).into_iter().collect();
     list.extend(bounds::warnings(study));
     list.extend(self_excited(&study.model));
     list.extend(nothing_nonlinear(&study.model));
     list.extend(nothing_driven(&study.model));
-    let touch = touch.filter(|touch| touch.left_out.is_empty());
-    list.extend(touch.and_then(|touch| nothing_touches(study, touch)));
-    list.extend(touch.filter(|_| units.is_none()).and_then(|touch| far_beyond(study, touch)));
+    list.extend(touch.filter(|touch| touch.left_out.is_empty()).and_then(|touch| nothing_touches(study, touch)));
+    list.extend(touch.and_then(|touch| far_beyond(study, touch)));
     list.extend(epsilon_ratios(&study.model).and_then(epsilon));
     list.extend(large_results(study));
     list.extend(study.without_effect.iter().map(|key| {
@@ -173,8 +171,11 @@ fn nothing_touches(study: &Study, touch: &FirstTouch<'_>) -> Option<String> {
     })
 }
 
-/// Of levels at which the linear response goes through what it touches many times over.
-fn far_beyond(study: &Study, touch: &FirstTouch<'_>) -> Option<String> {
+/// Of levels at which the linear response goes through what it touches many times over, unless units are known to have slipped.
+pub(super) fn far_beyond(study: &Study, touch: &FirstTouch<'_>) -> Option<String> {
+    if !touch.left_out.is_empty() || units(study).is_some() {
+        return None;
+    }
     let highest = study.amplitudes.iter().max_by(|a, b| a.value.total_cmp(&b.value))?;
     let Place::Resonance(mode) = touch.place else { return None };
     (touch.forcing > 0.0 && highest.value > BEYOND * touch.forcing).then(|| {

@@ -65,6 +65,11 @@ fn forcing_far_beyond_the_first_touch() {
     let far = "at A = 2e3 the linear response at the resonance of mode 1 is 10001 times as large as what it may be before stop touches: check the units \
                of forcing and gap";
     assert_eq!(checked(MODEL, "0.3,2e3", &[]).0, [far]);
+    // A sweep, which would take minutes, says so before.
+    let dir = tempfile::tempdir().unwrap();
+    fs::write(dir.path().join("model.toml"), MODEL).unwrap();
+    fs::write(dir.path().join("study.toml"), "amplitudes = \"0.3,2e3\"\n").unwrap();
+    assert_eq!(warnings_of_sweep(&Study::load(dir.path(), &[], None).unwrap()), [far]);
 }
 
 /// An elastic stop touches where a rigid one does; beyond the resonance, at 200 rad/s, that is A = 3e4 c.

@@ -141,8 +141,11 @@ impl Evidence<'_> {
                 String::new()
             } else {
                 let above = self.predicted_above().map_or_else(String::new, |above| format!(", but one {above}"));
+                let highest = self.levels.iter().map(|level| level.value).fold(0.0, f64::max);
+                let is_short = |backbone: &BackboneCurve| backbone.end.is_some_and(|end| end.threshold < highest);
+                let far = if self.backbones().any(is_short) { ", as far as it is known," } else { "" };
                 format!(
-                    "; the energy balance of {mode} predicts no separate response at the levels and frequencies of the run{above}"
+                    "; the energy balance of {mode}{far} predicts no separate response at the levels and frequencies of the run{above}"
                 )
             };
         };

@@ -239,3 +239,19 @@ fn levels_are_chosen() {
     let report = Report::read(&store, &Selection::NoBranches).unwrap();
     assert_eq!((report.branches.len(), report.overview.levels.len()), (0, 2));
 }
+
+/// On a terminal, what else is known stands in points below the answer.
+#[test]
+fn an_answer_on_a_terminal() {
+    let answer = Sentence {
+        title: "Where?",
+        lead: Some("Not all is known.".into()),
+        text: "Here and there.".into(),
+        lost: None,
+        details: vec!["It is stable.".into()],
+        reach: Some("Looked at: all of it.".into()),
+    };
+    let lines = "Where?\nNot all is known.\nHere and there.\n- It is stable.\n- Looked at: all\n  of it.";
+    assert_eq!(answer.lines(17), lines);
+    assert_eq!(answer.whole(), "Not all is known. Here and there. It is stable. Looked at: all of it.");
+}

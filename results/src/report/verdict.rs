@@ -15,7 +15,7 @@ use crate::overview::{
     highest, is_untouched, modes, not_followed_sentence, passed_over_sentence, reach_sentence, sampled, shift_sentence,
     truncation, turned_sliding,
 };
-use crate::summary_table::{motions, stability};
+use crate::summary_table::{motions, stability, wrapped};
 use crate::words::{self, count};
 use protocol::to_everyone::Stage;
 use serde::Serialize;
@@ -44,8 +44,25 @@ pub struct Sentence {
 impl Sentence {
     /// All of the answer.
     pub fn whole(&self) -> String {
-        let all = self.lead.iter().chain([&self.text]).chain(&self.lost).chain(&self.details).chain(&self.reach);
+        let answer = self.answer();
+        let all = std::iter::once(answer.as_str()).chain(self.besides());
+        all.collect::<Vec<_>>().join(" ")
+    }
+
+    /// Question and answer on lines of so many columns, what else is known in points below.
+    pub fn lines(&self, width: u16) -> String {
+        let points = self.besides().map(|point| wrapped(&format!("- {point}"), width, "  "));
+        let all = [self.title.into(), wrapped(&self.answer(), width, "")].into_iter().chain(points);
+        all.collect::<Vec<String>>().join("\n")
+    }
+
+    fn answer(&self) -> String {
+        let all = self.lead.iter().chain([&self.text]).chain(&self.lost);
         all.map(String::as_str).collect::<Vec<_>>().join(" ")
+    }
+
+    fn besides(&self) -> impl Iterator<Item = &str> {
+        self.details.iter().chain(&self.reach).map(String::as_str)
     }
 }
 

@@ -374,18 +374,6 @@ fn what_the_structure_does_of_itself() {
 }
 
 #[test]
-fn a_backbone_that_ends_among_the_levels() {
-    let levels = [level(1.0, vec![main(1e-3)])];
-    let mut short = BACKBONE.clone();
-    for (end, is_short) in [(0.5, true), (2.0, false)] {
-        short.end = Some(BackboneEnd { threshold: end, branch_point: None });
-        let [danger, ..] = told(&levels, |evidence| evidence.backbone = Some(&short));
-        let sentence = "; the backbone of mode 1 ends at A* = 0.5, and no window beyond was looked for";
-        assert_eq!(danger.contains(sentence), is_short, "{danger}");
-    }
-}
-
-#[test]
 fn numbers_that_cannot_be_read() {
     let levels = [level(1.0, vec![main(1e-3), isola(f64::NAN)])];
     assert!(texts(&levels).iter().all(|text| !text.contains("NaN")), "{:?}", texts(&levels));

@@ -226,3 +226,16 @@ fn what_the_balance_predicts_between_levels_is_told() {
     let [_, onset, _] = told(&levels, |_| {});
     assert!(!onset.contains("as an estimate"), "{onset}");
 }
+
+#[test]
+fn a_backbone_that_ends_among_the_levels() {
+    let levels = [level(1.0, vec![main(1e-3)])];
+    let mut short = BACKBONE.clone();
+    for (end, is_short) in [(0.5, true), (2.0, false)] {
+        short.end = Some(BackboneEnd { threshold: end, branch_point: None });
+        let [danger, onset, _] = told(&levels, |evidence| evidence.backbone = Some(&short));
+        let sentence = "; the backbone of mode 1 ends at A* = 0.5, and no window beyond was looked for";
+        assert_eq!(danger.contains(sentence), is_short, "{danger}");
+        assert_eq!(onset.contains("balance of mode 1, as far as it is known, predicts no"), is_short, "{onset}");
+    }
+}
