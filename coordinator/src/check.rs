@@ -105,8 +105,19 @@ fn orders(study: &Study) -> Vec<String> {
             [] => "no eigenfrequency there".to_string(),
             own => format!("eigenfrequencies there: {}", words::modes(own)),
         };
-        let periods = count(order.number(), "period");
-        format!("{}: motions that last {periods} of the force, {between}; {modes}", order.number())
+        let (number, count_of_all) = (order.number(), study.settings.harmonics.count);
+        let periods = count(number, "period");
+        let harmonics = if number > 1 {
+            let own = count_of_all / number;
+            format!(
+                "; of its {} {own} {} of the force",
+                count(count_of_all, "harmonic"),
+                if own == 1 { "is" } else { "are" }
+            )
+        } else {
+            String::new()
+        };
+        format!("{number}: motions that last {periods} of the force, {between}; {modes}{harmonics}")
     });
     // One alone is what the lines before are about.
     let list: Vec<String> = list.collect();

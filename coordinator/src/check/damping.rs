@@ -85,7 +85,7 @@ impl<'m> Oscillations<'m> {
         let natural = self.motion(mode).map(DampedMode::natural);
         match natural {
             Some(natural) if (natural / frequency - 1.0).abs() > MOVED => {
-                format!("{ratio} at {} rad/s, where damping that couples modes moves it", number(natural))
+                format!("{ratio}; it oscillates at {} rad/s, since the damping couples modes", number(natural))
             }
             None if self.ratio(mode) < 1.0 => "does not oscillate".into(),
             _ => ratio,

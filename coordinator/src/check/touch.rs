@@ -23,7 +23,8 @@ const NARROWED: usize = 40;
 
 /// What the linear response does not tell.
 const ISOLAS: &str = "isolas may be there, and touch, from far lower forcing on, \
-                      or be born at several times it: levels from a third of it to five times it are a start";
+                      or be born at several times it, or at tens of times: levels from a third of it to five times it are a start, and where \
+                      there is none larger ones";
 
 /// Where the linear structure touches first.
 pub(super) struct FirstTouch<'m> {

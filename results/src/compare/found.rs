@@ -16,12 +16,10 @@ const NAMED: usize = 8;
 pub(super) fn not_compared(reports: &[Report]) -> Option<Told> {
     let further = reports.iter().flat_map(|report| report.asked.iter().filter(|order| **order != report.harmonic));
     let further: BTreeSet<usize> = further.copied().collect();
-    let told = |write: fn(&usize) -> String| words::listed(&further.iter().map(write).collect::<Vec<_>>());
     (!further.is_empty()).then(|| {
         format!(
-            "Motions that last {} periods of the force are not compared: what was found of them is in {} of the runs that look for them.",
-            told(usize::to_string),
-            told(|order| format!("m{order}/"))
+            "Motions that last {} periods of the force are not compared here: isola report with --order compares those of one of them.",
+            words::listed(&further.iter().map(usize::to_string).collect::<Vec<_>>())
         )
         .into()
     })
@@ -98,7 +96,7 @@ fn is_beyond(event: &CurvePoint, run: &Report) -> bool {
 }
 
 /// Whether branches share frequencies.
-fn meets(a: &BranchRow, b: &BranchRow) -> bool {
+pub(super) fn meets(a: &BranchRow, b: &BranchRow) -> bool {
     a.omega.0 <= b.omega.1 && b.omega.0 <= a.omega.1
 }
 

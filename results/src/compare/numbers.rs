@@ -1,5 +1,6 @@
 //! What runs found at every level, and by how much that differs from the first run.
 
+use super::found::meets;
 use super::{ComparedLevel, Comparison, is_one, monitor};
 use crate::overview::Level;
 use crate::report::Report;
@@ -27,6 +28,9 @@ const SETTINGS: usize = 12;
 /// What stands for a level that a run does not have.
 const LACKING: &str = "–";
 
+/// Behind an isola that shares no frequency with that of the first run.
+const ANOTHER: &str = " (at other frequencies: another isola)";
+
 /// Rows of all levels that several runs have.
 pub(super) fn rows(reports: &[Report], levels: &[ComparedLevel]) -> Vec<NumberRow> {
     let has =
@@ -42,21 +46,25 @@ fn of_level(reports: &[Report], level: &ComparedLevel) -> Vec<NumberRow> {
     let is_measured = is_one(&reports.iter().map(monitor).collect::<Vec<_>>());
     // Those of the first run, as in figures.
     let unit = reports.first().and_then(|report| report.units().length);
-    let peaks = |of: fn(&Level) -> Option<&BranchRow>| -> Vec<Told> {
+    let peaks = |of: fn(&Level) -> Option<&BranchRow>, are_alike: fn(&BranchRow, &BranchRow) -> bool| -> Vec<Told> {
         let peaks: Vec<Option<&BranchRow>> = each.iter().map(|level| level.and_then(of)).collect();
         let first = peaks.first().copied().flatten();
         let word = |(place, level): (usize, &Option<&Level>)| match (level, peaks[place]) {
             (None, _) => LACKING.into(),
             (_, None) => "none".into(),
-            (_, Some(peak)) => of_peak(peak, first.filter(|_| place > 0), is_measured, unit),
+            (_, Some(peak)) => match first.filter(|_| place > 0) {
+                Some(first) if !are_alike(first, peak) => of_peak(peak, None, is_measured, unit).text(ANOTHER),
+                first => of_peak(peak, first, is_measured, unit),
+            },
         };
         each.iter().enumerate().map(word).collect()
     };
     let row = |what, values| NumberRow { amplitude: level.amplitude.clone(), what, values };
     let isolas = each.iter().map(|level| level.map_or(LACKING.into(), of_others)).collect();
     let has_isola = each.iter().flatten().any(|level| level.highest_isola().is_some());
-    let highest = has_isola.then(|| row("highest isola, peak", peaks(Level::highest_isola)));
-    [row("largest response", peaks(Level::peak)), row("main branch, peak", peaks(Level::main))]
+    let highest = has_isola.then(|| row("highest isola, peak", peaks(Level::highest_isola, meets)));
+    let always = |_: &BranchRow, _: &BranchRow| true;
+    [row("largest response", peaks(Level::peak, always)), row("main branch, peak", peaks(Level::main, always))]
         .into_iter()
         .chain(highest)
         .chain([row("isolas and others", isolas)])

@@ -235,8 +235,8 @@ fn motions_of_further_orders_are_not_compared() {
             .collect::<Vec<_>>()
     };
     assert_eq!(told([vec![1], vec![1]]), Vec::<String>::new());
-    let expected = "Motions that last 2 and 3 periods of the force are not compared: what was found of them is in m2/ and m3/ of the runs that \
-                    look for them.";
+    let expected = "Motions that last 2 and 3 periods of the force are not compared here: isola report with --order compares those of one of \
+                    them.";
     assert_eq!(told([vec![1, 2], vec![1, 3]]), [expected]);
 }
 

@@ -43,8 +43,11 @@ pub fn largest_stable_sentence(
     // What was not looked at may be stable as well, and larger.
     let mut branches = levels.iter().flat_map(|level| &level.branches);
     let among = if branches.all(is_whole) { "" } else { ", of the points that were marched" };
+    // A marched orbit has no truncation, and may be larger than what has.
+    let is_larger = largest.amplitude > largest.branch.amplitude_max;
+    let truncated = if is_larger { " (as marched, without truncation)" } else { "" };
     Some(format!(
-        "Largest periodic response found stable{among}: {size}, on {on} at A = {} and {at}.",
+        "Largest periodic response found stable{among}: {size}{truncated}, on {on} at A = {} and {at}.",
         largest.level.amplitude
     ))
 }
@@ -132,6 +135,9 @@ mod tests {
         let main = told(&[level("14", &[("main", 2.1, 1.4), ("isola", 21.2, 0.0)], "unstable")]).unwrap();
         assert!(main.contains("1.4 m, on the main branch at A = 14"), "{main}");
         assert_eq!(told(&[level("14", &[("isola", 21.2, 0.0)], "unstable")]), None);
+        // A marched orbit that is larger than anything computed is no contradiction.
+        let main = told(&[level("14", &[("main", 2.1, 2.2)], "unstable")]).unwrap();
+        assert!(main.contains("stable: 2.2 m (as marched, without truncation), on the main branch"), "{main}");
     }
 
     #[test]

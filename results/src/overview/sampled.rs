@@ -25,7 +25,7 @@ pub fn sampled(levels: &[Level]) -> Option<String> {
     let told: Vec<String> = of_whole.into_iter().chain(of_peaks).collect();
     (!told.is_empty()).then(|| {
         let told = capitalised(&told.join(", and "));
-        format!("{told} were looked at, not all: two changes between neighbours that undo each other are not seen.")
+        format!("{told} were looked at, not all: where stability changes and changes back between two of these, that is not seen.")
     })
 }
 
@@ -51,7 +51,10 @@ mod tests {
         };
         let told = |list: &[Option<usize>]| of(&list.iter().map(|number| (true, *number)).collect::<Vec<_>>());
         let said = told(&[Some(22), None, Some(31)]).unwrap();
-        assert!(said.starts_with("Of 2 branches 22 to 31 points each were looked at, not all: two changes"), "{said}");
+        assert!(
+            said.starts_with("Of 2 branches 22 to 31 points each were looked at, not all: where stability changes"),
+            "{said}"
+        );
         assert!(told(&[Some(22)]).unwrap().starts_with("Of one branch 22 points were"));
         assert_eq!(told(&[None]), None);
         let (isola, main, none) = ((true, Some(22)), (false, Some(3)), (false, None));

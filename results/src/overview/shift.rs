@@ -65,8 +65,8 @@ pub fn shift_sentence(levels: &[Level], frequency: impl Fn(f64) -> String) -> Op
     let how = match branches {
         None => format!("it {goes} by {size}, to {at}"),
         Some((one, other)) => {
-            let doubt = if one == other { ", not known to be the same one" } else { "" };
-            format!("from {one} to {other}{doubt}, by {size}, to {at}")
+            let other = if one == other { format!("{other} there, which may be another one") } else { other.clone() };
+            format!("from {one} to {other}, by {size}, to {at}")
         }
     };
     Some(format!("The frequency of the largest computed response{of} changes most from A = {from} to {to}: {how}."))

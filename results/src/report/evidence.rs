@@ -59,8 +59,8 @@ pub struct Evidence<'r> {
     pub orders: Vec<OrderFound>,
     /// Whether these are motions of a further order, of which no main branches are followed.
     pub is_further: bool,
-    /// The main branch under the same force as the highest isola of these.
-    pub ordinary: Option<Ordinary>,
+    /// The ordinary response at a level, by its forcing amplitude, and a frequency of the response, rad/s.
+    pub ordinary: Box<dyn Fn(f64, f64) -> Option<Ordinary> + 'r>,
     /// Units of the run.
     pub units: Units,
 }

@@ -64,15 +64,14 @@ impl<'r> Evidence<'r> {
         }
         match self.largest_gain() {
             None => "Ordinary continuation has no main branch to compare the isolas with: see the account.".into(),
-            Some(gain) => self.compared(&gain) + &self.farther(&gain),
+            Some(gain) => self.compared(&gain) + &self.farther(&gain) + &self.there(&gain),
         }
     }
 
     /// The highest isola of a further order beside the main branch under the same force.
     fn ordinary(&self) -> String {
-        let Some((ordinary, (level, isola))) = self.ordinary.zip(highest_of_all(self.levels)) else {
-            return String::new();
-        };
+        let Some((level, isola)) = highest_of_all(self.levels) else { return String::new() };
+        let Some(ordinary) = (self.ordinary)(level.value, isola.omega_at_max) else { return String::new() };
         let ratio = isola.amplitude_max / ordinary.amplitude;
         let what = if ordinary.is_of_main { "main branch" } else { "linear response" };
         let compared = match ratio {
@@ -139,6 +138,27 @@ impl<'r> Evidence<'r> {
                 (1.0 - ratio) * 100.0
             ),
         }
+    }
+
+    /// What the main branch has where the isola is largest.
+    fn there(&self, Gain { level, isola, is_whole, .. }: &Gain<'_>) -> String {
+        let omega = isola.omega_at_max;
+        if let Some(ordinary) = (self.ordinary)(level.value, omega) {
+            return format!(" At {} the main branch has {}.", self.frequency(omega), self.length(ordinary.amplitude));
+        }
+        let ends = level.mains().map(|main| main.omega);
+        let (low, high) = ends.fold((f64::INFINITY, 0.0_f64), |(low, high), ends| (low.min(ends.0), high.max(ends.1)));
+        let (bound, how) = match omega {
+            omega if omega < low => (low, "begins, a lower frequency.min has it followed there"),
+            omega if omega > high => (high, "ends, a higher frequency.max has it followed there"),
+            _ => return String::new(),
+        };
+        // Of one that broke off that is said elsewhere.
+        let told = || {
+            let bound = self.frequency(bound);
+            format!(" The main branch was not followed to that frequency (at {bound} it {how}).")
+        };
+        if *is_whole { told() } else { String::new() }
     }
 
     /// What goes up farther than isola and main branch at their level.

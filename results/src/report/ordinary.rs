@@ -12,7 +12,7 @@ use solver::formulation::unknown::Unknown;
 use solver::settings::Settings;
 use solver::structure::Model;
 
-/// The ordinary response where an isola of a further order is largest: at the same level and frequency of the force.
+/// The ordinary response under the same force as another one: at the same level and frequency of the force.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Ordinary {
     /// Frequency of the force, rad/s.
@@ -31,14 +31,14 @@ pub(super) fn highest_of_all(levels: &[Level]) -> Option<(&Level, &BranchRow)> {
 }
 
 impl Ordinary {
-    /// Beside the highest isola of `levels`, which are of this model, its force on the harmonic of the order; `None` if they are of the first
-    /// order, or have none.
-    pub fn beside(reader: &Reader, levels: &[Level], model: &Model, settings: &Settings) -> Option<Self> {
-        let (level, isola) = reader.order().and_then(|_| highest_of_all(levels))?;
-        let omega = model.forcing().harmonic as f64 * isola.omega_at_max;
-        let main = main_response(reader, level.value, omega);
-        let amplitude = main.or_else(|| linear_response(model, settings, level.value, isola.omega_at_max))?;
-        Some(Self { omega, amplitude, is_of_main: main.is_some() })
+    /// At a level and a frequency of the response, rad/s, of this model, its force on the harmonic of the order that `reader` tells of. Of
+    /// a further order, whose frequencies the main branch may not reach, the linear response stands for it there.
+    pub fn at(reader: &Reader, model: &Model, settings: &Settings, level: f64, omega: f64) -> Option<Self> {
+        let force = model.forcing().harmonic as f64 * omega;
+        let main = main_response(reader, level, force);
+        let linear = || reader.order().and_then(|_| linear_response(model, settings, level, omega));
+        let amplitude = main.or_else(linear)?;
+        Some(Self { omega: force, amplitude, is_of_main: main.is_some() })
     }
 }
 

@@ -186,17 +186,19 @@ impl Report {
             asked: orders(&model, &header.settings.search),
             orders: further_orders(reader, &mut omissions),
             is_further: reader.order().is_some(),
-            ordinary: Ordinary::beside(reader, &overview.levels, &model, &header.settings),
+            ordinary: Box::new(|level, omega| Ordinary::at(reader, &model, &header.settings, level, omega)),
             units: units.or(UnitChoice::of_study(&header.study)).of_table(),
         };
+        let (answers, asked) = (verdict(&evidence), evidence.asked.clone());
+        drop(evidence);
         let mut report = Self {
             chosen: units,
-            verdict: verdict(&evidence),
+            verdict: answers,
             figures: Figures::default(),
             sweep: reach.map(|reach| reach.frequency),
             resonance: ResonanceComparison::new(&overview.levels, backbone.iter().chain(&further)),
             run: facts(header, model.name().to_string(), stage, omissions.sentences().cloned().collect()),
-            asked: evidence.asked.clone(),
+            asked,
             monitors,
             forcing_unit: unit_of_forcing(&model),
             harmonic: reader.order().unwrap_or(model.forcing().harmonic),

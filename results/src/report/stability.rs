@@ -48,6 +48,9 @@ impl Evidence<'_> {
             return String::new();
         }
         match known.largest {
+            Some((omega, size)) if size > (1.0 - TOLD) * isola.amplitude_max => {
+                format!(" (unstable there; found stable beside it, at {})", self.frequency(omega))
+            }
             Some((omega, size)) => {
                 format!(" (unstable there; found stable up to {} at {})", self.length(size), self.frequency(omega))
             }

@@ -239,7 +239,10 @@ impl<'r> Evidence<'r> {
         }
         let own = match self.structure.harmonic {
             1 => "This is of motions of the force's own period.".to_string(),
-            order => format!("This is of motions that last {order} periods of the force."),
+            order => format!(
+                "This is of motions that last {order} periods of the force; frequencies are theirs, the force has {} as much.",
+                words::times(order)
+            ),
         };
         std::iter::once(own).chain(self.orders.iter().map(OrderFound::sentence)).collect()
     }
@@ -247,7 +250,7 @@ impl<'r> Evidence<'r> {
     /// What else is known.
     fn details(&self) -> Vec<String> {
         let mut list: Vec<String> = Vec::new();
-        if self.structure.harmonic > 1 {
+        if self.structure.harmonic > 1 && self.asked.len() < 2 {
             list.push(format!(
                 "Frequencies are those of the response: the force has {} as much.",
                 words::times(self.structure.harmonic)
@@ -347,7 +350,14 @@ impl<'r> Evidence<'r> {
         let runs = runs(self.levels);
         let partly: Vec<&Level> = self.with_isolas().filter(|level| !level.is_complete()).collect();
         if runs.is_empty() && partly.is_empty() {
-            return format!("None was found where it was looked for (see the first answer){prediction}.{computed}");
+            let others: Vec<&Level> = self.levels.iter().filter(|level| level.others().next().is_some()).collect();
+            let (none, others) = match self.is_further && !others.is_empty() {
+                true => ("No isola", format!(", but such motions that are no isolas, at {}", named(&others))),
+                false => ("None", String::new()),
+            };
+            return format!(
+                "{none} was found where it was looked for{others} (see the first answer){prediction}.{computed}"
+            );
         }
         let mut found: Vec<String> = Vec::new();
         if !runs.is_empty() {

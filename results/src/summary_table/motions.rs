@@ -5,7 +5,7 @@ use crate::store::MotionRow;
 use crate::words::{count, listed};
 
 /// Of motions that no branch has.
-const UNFOUND: &str = "is on no marched orbit of";
+const UNFOUND: &str = "is near no marched orbit of";
 
 /// Most branches of which a sentence each is said.
 const NAMED: usize = 2;

@@ -260,8 +260,8 @@ impl<'r> Rows<'r> {
             }
             _ if level.value < smallest => {
                 format!(
-                    "thresholds of the backbones, and with them windows, begin at A = {} (the energy balance, an estimate): below it there is none, \
-                     not even of the main branch",
+                    "windows of the energy balance, an estimate, begin at A = {}, where thresholds of the backbones do: what is found below it \
+                     is found otherwise",
                     told_threshold(smallest, std::iter::once(level.value))
                 )
             }

@@ -13,7 +13,9 @@ pub(super) fn sentence(levels: &[Level], units: Units, is_told: bool) -> Option<
     let isolas: Vec<&BranchRow> = levels.iter().flat_map(Level::isolas).collect();
     let largest = largest_stable(levels, BranchRow::is_isola).filter(|_| !is_told);
     let up_to = largest.map_or_else(String::new, |StableResponse { level, branch, omega, amplitude }| {
-        let (up_to, at) = (format!("{} {length}", length.digits(amplitude)), frequency.told(omega));
+        // A marched orbit has no truncation, and may be larger than what has.
+        let marched = if amplitude > branch.amplitude_max { " (as marched, without truncation)" } else { "" };
+        let (up_to, at) = (format!("{} {length}{marched}", length.digits(amplitude)), frequency.told(omega));
         match isolas.len() {
             1 => format!("; the largest of its responses found stable: {up_to} at {at}"),
             _ => {

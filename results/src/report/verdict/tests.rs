@@ -90,7 +90,7 @@ fn told<'r>(levels: &'r [Level], change: impl FnOnce(&mut Evidence<'r>)) -> [Str
         asked: vec![1],
         orders: Vec::new(),
         is_further: false,
-        ordinary: None,
+        ordinary: Box::new(|_, _| None),
         units: Units::default(),
     };
     change(&mut evidence);
@@ -143,7 +143,7 @@ fn isolas_apart() {
          changes most from A = 4 to 5: from the main branch to isola 1, by 65 rad/s (10.35 Hz), to 165 rad/s (26.26 Hz)."
     );
     assert!(missed.starts_with("Yes. At A = 2 it goes up to 1 mm at 100 rad/s"), "{missed}");
-    assert!(missed.ends_with("up to 2 mm at 130 rad/s (20.69 Hz), 2 times as much."), "{missed}");
+    assert!(missed.contains("up to 2 mm at 130 rad/s (20.69 Hz), 2 times as much."), "{missed}");
 }
 
 /// How far an isola reaches where nothing stays is not told without how far what is stable of it does.
@@ -194,7 +194,7 @@ fn where_the_last_one_ends() {
         missed.starts_with("Yes, the isola, but not the largest response: at A = 1 the main branch goes up to 1 mm"),
         "{missed}"
     );
-    assert!(missed.ends_with("10 % less."), "{missed}");
+    assert!(missed.contains(" 10 % less."), "{missed}");
     // Where tasks are left, where the main branch stalled, where a branch is not known for what it is: nobody knows.
     let stalled = [("2".to_string(), Outcome::Open(Stop::FrequencyBound, Stop::Reversed))];
     let [danger, onset, _] = told(&levels, |evidence| evidence.mains = &stalled);
