@@ -52,9 +52,9 @@ fn of_one((own, report): (&String, &Report), (name, other): (&String, &Report)) 
         // Of what is still to be computed nothing is lacking.
         let there = theirs.get(&level.value.to_bits()).filter(|there| there.is_complete());
         let Some(there) = there else { continue };
-        for isola in level.isolas().filter(|isola| !there.isolas().any(|known| meets(known, isola))) {
+        for isola in level.isolas().filter(|isola| !there.isolas().any(|known| known.meets(isola))) {
             // It may be known there by another name.
-            let instead: Vec<String> = there.others().filter(|row| meets(row, isola)).map(BranchRow::name).collect();
+            let instead: Vec<String> = there.others().filter(|row| row.meets(isola)).map(BranchRow::name).collect();
             let instead = if instead.is_empty() {
                 String::new()
             } else {
@@ -93,11 +93,6 @@ fn of_one((own, report): (&String, &Report), (name, other): (&String, &Report)) 
 fn is_beyond(event: &CurvePoint, run: &Report) -> bool {
     let levels = || run.overview.levels.iter().map(|level| level.value);
     levels().all(|level| level < event.forcing) || levels().all(|level| level > event.forcing)
-}
-
-/// Whether branches share frequencies.
-pub(super) fn meets(a: &BranchRow, b: &BranchRow) -> bool {
-    a.omega.0 <= b.omega.1 && b.omega.0 <= a.omega.1
 }
 
 fn listed(things: &[Told], what: &str) -> Option<Told> {

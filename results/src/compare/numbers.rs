@@ -1,6 +1,5 @@
 //! What runs found at every level, and by how much that differs from the first run.
 
-use super::found::meets;
 use super::{ComparedLevel, Comparison, is_one, monitor};
 use crate::overview::Level;
 use crate::report::Report;
@@ -62,7 +61,7 @@ fn of_level(reports: &[Report], level: &ComparedLevel) -> Vec<NumberRow> {
     let row = |what, values| NumberRow { amplitude: level.amplitude.clone(), what, values };
     let isolas = each.iter().map(|level| level.map_or(LACKING.into(), of_others)).collect();
     let has_isola = each.iter().flatten().any(|level| level.highest_isola().is_some());
-    let highest = has_isola.then(|| row("highest isola, peak", peaks(Level::highest_isola, meets)));
+    let highest = has_isola.then(|| row("highest isola, peak", peaks(Level::highest_isola, BranchRow::meets)));
     let always = |_: &BranchRow, _: &BranchRow| true;
     [row("largest response", peaks(Level::peak, always)), row("main branch, peak", peaks(Level::main, always))]
         .into_iter()

@@ -64,6 +64,11 @@ pub struct BranchRow {
 }
 
 impl BranchRow {
+    /// Whether it shares frequencies with another branch.
+    pub fn meets(&self, other: &Self) -> bool {
+        self.omega.0 <= other.omega.1 && other.omega.0 <= self.omega.1
+    }
+
     /// `main`, `isola 1`, …
     pub fn name(&self) -> String {
         let id = branch_id(&self.kind, self.number);
