@@ -21,7 +21,7 @@ use results::summary_table::LengthUnit;
 use results::words::{self, count, digits, number};
 use solver::formulation::harmonics::width;
 use solver::response::modes::ModesFollowed;
-use solver::response::orders::Orders;
+use solver::response::orders::{Order, Orders};
 use solver::settings::{FrequencySettings, Quadrature, Settings};
 use solver::structure::Model;
 use solver::structure::laws::{Law, RigidContact};
@@ -29,6 +29,9 @@ use std::f64::consts::TAU;
 
 /// Eigenfrequencies shown.
 const MODES: usize = 6;
+
+/// Harmonics of the force with fewer of which motions of several of its periods may be missed.
+const FEW: usize = 5;
 
 /// Levels from which on a sweep says how many there are.
 const MANY: usize = 300;
@@ -144,7 +147,7 @@ pub fn warnings_of_sweep(study: &Study) -> Vec<String> {
 }
 
 /// What a sweep notes, of what may well be meant: that there are very many levels, that nothing resonates within its bounds, where the force acts if nobody said so, stops
-/// that are pressed at rest, laws that are too soft to matter. Sentences.
+/// that are pressed at rest, laws that are too soft to matter, few harmonics for motions of many periods. Sentences.
 pub fn notes_of_sweep(study: &Study) -> Vec<String> {
     (many_levels(study).into_iter())
         .chain(bounds::note(study))
@@ -152,7 +155,23 @@ pub fn notes_of_sweep(study: &Study) -> Vec<String> {
         .chain(defaults::forcing(study))
         .chain(laws::pressed(study))
         .chain(laws::soft(study))
+        .chain(few_harmonics(study))
         .collect()
+}
+
+/// That motions of the highest order that is looked for have few harmonics of the force, if there are several orders: a sentence.
+fn few_harmonics(study: &Study) -> Option<String> {
+    let orders = Orders::of(&study.model, &study.settings);
+    let longest = orders.iter().map(Order::number).max().filter(|_| orders.iter().count() > 1)?;
+    let all = study.settings.harmonics.count;
+    let own = all / longest;
+    (own < FEW).then(|| {
+        format!(
+            "harmonics.count = {all}, of which motions that last {longest} periods of the force have {own} of the force: some may be \
+             missed, or come out wrong; {} is as many for them as {all} for those of its own period",
+            longest * all
+        )
+    })
 }
 
 /// That there are many levels, which may not be meant: a sentence.

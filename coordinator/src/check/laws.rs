@@ -50,8 +50,8 @@ fn reversing(study: &Study) -> impl Iterator<Item = String> + '_ {
 pub(super) fn pressed(study: &Study) -> impl Iterator<Item = String> + '_ {
     pressed_at_rest(&study.model).map(|(element, gap)| {
         format!(
-            "`{}`: its gap is negative ({}), so that it presses at rest, and the structure there is another one than the modes are of; a stop on \
-             the other side has `coefficients = {{ DOF = -1 }}` instead of `dof`, and a positive gap",
+            "`{}`: its gap is negative ({}), so that it presses at rest, and the structure there is another one than the modes are of; if a stop \
+             on the other side is meant, it has the opposite coefficient (`coefficients = {{ DOF = -1 }}` instead of `dof`), and a positive gap",
             element.name,
             length(study, gap, 3)
         )

@@ -27,6 +27,9 @@ const SETTINGS: usize = 12;
 /// What stands for a level that a run does not have.
 const LACKING: &str = "–";
 
+/// A difference that is rounding: of amplitudes, %, and of a frequency, relative to it.
+const ROUNDING: f64 = 1e-8;
+
 /// Behind an isola that shares no frequency with that of the first run.
 const ANOTHER: &str = " (at other frequencies: another isola)";
 
@@ -77,6 +80,9 @@ fn of_peak(peak: &BranchRow, first: Option<&BranchRow>, is_measured: bool, unit:
     let difference = first.map(|first| {
         let share = 100.0 * (peak.amplitude_max / first.amplitude_max - 1.0);
         let shift = peak.omega_at_max - first.omega_at_max;
+        if is_measured && share.abs() < ROUNDING && shift.abs() < ROUNDING * first.omega_at_max {
+            return " (the same)".into();
+        }
         let share = if is_measured { format!("{} %, ", signed(share, 3)) } else { String::new() };
         Told::from(format!(" ({share}")).difference(shift, 3).unit().text(")")
     });

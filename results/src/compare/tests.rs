@@ -40,7 +40,8 @@ fn numbers_are_in_the_units_of_the_first_run() {
     let (one, other) = (read(&Study::damper(), study), read(&Study::damper(), |_| {}));
     let compared = Comparison::new(vec![("one".into(), one), ("other".into(), other)]);
     let table = table(&compared, 200);
-    assert!(table.contains(" Hz (+0 %, 0 Hz)") || table.contains(" Hz (0 %, 0 Hz)"), "{table}");
+    // What differs by rounding alone is the same.
+    assert!(table.contains(" mm at 0.159143 Hz (the same)"), "{table}");
     assert!(table.contains(" mm at ") && !table.contains("rad/s"), "{table}");
 }
 

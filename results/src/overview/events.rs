@@ -212,6 +212,15 @@ mod tests {
         // So short that digits do not tell its end from its birth.
         let brief = say(&[curve(&[(1.0, ""), (1.500_02, "merge"), (1.5, "birth"), (5.0, "")])]).unwrap();
         assert!(brief.contains("; at A = 1.5 (3.00004 rad/s), 2.0e-5 above it merges or parts, and may"), "{brief}");
+        // One that digits would have end before it begins, and one that twice the harmonics have.
+        let mut close = curve(&[(1.0, ""), (1.139_22, "merge"), (1.138_75, "birth"), (5.0, "")]);
+        close.points[2].doubled = Some((1.1399, 2.0));
+        let said = say(&[close.clone()]).unwrap();
+        assert!(
+            said.contains("is born at A = 1.14 (2.2775 rad/s); at 0.00047 above A = 1.14 (2.2775 rad/s) it merges or"),
+            "{said}"
+        );
+        assert!(said.ends_with("(with twice the harmonics it would end before it begins: at least one of the two is something else there)."), "{said}");
         // As the forcing grows, whatever kind of thing happens.
         let early = curve(&[(0.9, ""), (0.5, "birth"), (0.8, "")]);
         let late = curve(&[(0.1, ""), (0.2, "merge"), (0.1, ""), (8.0, "merge"), (7.0, "")]);

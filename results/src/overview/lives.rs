@@ -83,6 +83,27 @@ pub fn joining<'c>(curves: &'c [CurveRow], birth: &CurvePoint) -> Option<&'c Cur
     curves.iter().find_map(of_curve)
 }
 
+/// Whether an isola of a level, by name, is born between a forcing amplitude and that of the level, or, above the level, dies there: beyond it is
+/// something else that has its folds.
+pub(super) fn is_within_its_life(curves: &[CurveRow], name: &str, level: (&str, f64), forcing: f64) -> bool {
+    let (amplitude, value) = level;
+    let is_birth = forcing < value;
+    let kind = if is_birth { CriticalKind::Birth } else { CriticalKind::Death };
+    let between = |point: &CurvePoint| (forcing.min(value)..=forcing.max(value)).contains(&point.forcing);
+    let is_own = |curve: &CurveRow, at: usize| {
+        [false, true].into_iter().all(|is_onwards| {
+            let edge = edge(curve, at, is_onwards, is_birth);
+            edge.crossings.first().is_some_and(|first| first.amplitude == amplitude && first.branch == name)
+        })
+    };
+    let of_curve = |curve: &CurveRow| {
+        let ends = curve.points.iter().enumerate();
+        let mut ends = ends.filter(|(_, point)| point.event.as_deref() == Some(kind.name()) && between(point));
+        ends.any(|(at, _)| is_own(curve, at))
+    };
+    !curves.iter().any(of_curve)
+}
+
 /// Frequencies (rad/s) and amplitudes (m) of the folds of what is born, or dies, at a point, where its edges first come to a forcing
 /// amplitude.
 pub(super) fn folds_at(curves: &[CurveRow], point: &CurvePoint, forcing: f64) -> Vec<(f64, f64)> {

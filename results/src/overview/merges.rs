@@ -2,6 +2,7 @@
 
 use super::event_words::{MERGE, MERGES, PARTS};
 use super::folds::events_of;
+use super::lives::is_within_its_life;
 use super::parties::{Beside, Party, is_disturbed, is_merge, sides};
 use crate::store::{CurvePoint, CurveRow};
 use solver::response::branch::BranchKind;
@@ -64,7 +65,11 @@ fn words(curves: &[CurveRow], curve: &CurveRow, merge: usize) -> Option<Told> {
         (Party::Isola(..), Party::Branch(..)) => is_nearer(from, to),
         (Party::Branch(..), Party::Isola(..)) => is_nearer(to, from),
     };
-    if !is_told {
+    let is_there = |party: &Party<'_>| match *party {
+        Party::Branch(name, level, value) => is_within_its_life(curves, name, (level, value), point.forcing),
+        _ => true,
+    };
+    if !is_told || ![first, second].iter().all(is_there) {
         return None;
     }
     let mut parties = [first, second];
@@ -172,6 +177,20 @@ mod tests {
         for unsure in ["branched 1", "unfinished 1", "cut 1", "something 1"] {
             assert_eq!(beside_level([unsure, "main"], true), None);
         }
+    }
+
+    /// What has a fold of an isola of a level before that is born is something else.
+    #[test]
+    fn an_isola_takes_part_in_nothing_before_its_birth() {
+        let merge = curve(&[6.0, 2.0, 6.0], &[(1, "merge")], &[(0, "5", "isola 5"), (1, "5", "isola 4")]);
+        assert_eq!(told(std::slice::from_ref(&merge)).unwrap(), "isola 5 and isola 4 of A = 5 part");
+        let born = |forcing, other| {
+            let birth = curve(&[6.0, forcing, 6.0], &[(1, "birth")], &[(0, "5", "isola 4"), (1, "5", other)]);
+            told(&[merge.clone(), birth])
+        };
+        assert_eq!(born(3.0, "isola 4"), None);
+        // Where it is born before, or two isolas have become one, that says nothing.
+        assert!(born(1.0, "isola 4").is_some() && born(3.0, "isola 5").is_some());
     }
 
     #[test]

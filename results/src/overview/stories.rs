@@ -6,6 +6,7 @@ use super::forcing_digits::{AGREED, DIGITS, forcing_digits};
 use super::level::Level;
 use super::lives::{Lasting, Life};
 use super::merges::Merge;
+use super::parties::Party;
 use crate::store::CurvePoint;
 use crate::words::digits;
 
@@ -53,7 +54,11 @@ impl Story {
         let latest = if first.from.forcing > second.from.forcing { first.from } else { second.from };
         let to = end_of(latest, first.to, &place);
         let [one, other] = [first.from, second.from].map(place);
-        let text = format!("{} at A = {one} and A = {other} and last to A = {to}, where {ends}", BIRTH.several);
+        let text = format!(
+            "{} at A = {one} and A = {other} and last to {to}, where {ends}{}",
+            BIRTH.several,
+            reversed(latest, first.to)
+        );
         Self { range: (first.from.forcing.min(second.from.forcing), first.to.forcing), text, more: LIVE }
     }
 
@@ -152,13 +157,26 @@ pub(super) fn nearest<T>(
     (without(sorted), without(left))
 }
 
-/// Where an isola ends; how far above its beginning, where digits do not tell them apart.
+/// Where an isola ends, `A = 2 (3 rad/s)`; how far above its beginning, where digits do not tell them apart, or have them the other way
+/// round.
 fn end_of(from: &CurvePoint, to: &CurvePoint, place: impl Fn(&CurvePoint) -> String) -> String {
-    let told = place(to);
-    if forcing_digits(from, DIGITS) == forcing_digits(to, DIGITS) {
-        return format!("{told}, {} above", digits(to.forcing - from.forcing, 2));
+    let own = |point: &CurvePoint| forcing_digits(point, DIGITS).0;
+    let value = |point: &CurvePoint| own(point).parse::<f64>().unwrap_or(f64::NAN);
+    let above = digits(to.forcing - from.forcing, 2);
+    match (own(from) == own(to), value(from) < value(to)) {
+        (true, _) => format!("A = {}, {above} above", place(to)),
+        (false, true) => format!("A = {}", place(to)),
+        (false, false) => format!("{above} above A = {}", place(from)),
     }
-    told
+}
+
+/// What is said of an isola that twice the harmonics would have end before it begins.
+const REVERSED: &str =
+    " (with twice the harmonics it would end before it begins: at least one of the two is something else there)";
+
+fn reversed(from: &CurvePoint, to: &CurvePoint) -> &'static str {
+    let is_reversed = from.doubled.zip(to.doubled).is_some_and(|((from, _), (to, _))| from > to);
+    if is_reversed { REVERSED } else { "" }
 }
 
 /// An isola from its birth to its end.
@@ -173,6 +191,7 @@ fn in_words(
     let it =
         |merge: &Merge<'_>| merge.of_isola.as_ref().map(|does| format!("it {does}")).or_else(|| merge.what.clone());
     let (from, to) = (place(life.from), end_of(life.from, life.to, &place));
+    let reversed = reversed(life.from, life.to);
     let is_end = |merge: &Merge<'_>| {
         let is_counted = matches!(counted(life.to), Some(Counted::MergesWithMain | Counted::Merges));
         life.is_with_main || is_counted || it(merge).is_some()
@@ -184,7 +203,7 @@ fn in_words(
             None => format!("{} at A = {from}", BIRTH.one),
             Some(_) => format!("an isola begins at A = {from}"),
         };
-        return format!("{begins}; at A = {to} it merges or parts, and may go on");
+        return format!("{begins}; at {to} it merges or parts, and may go on{reversed}");
     }
     let end = match (merge(life.to), counted(life.to)) {
         (None, _) => format!("it {}", DEATH.verb),
@@ -196,13 +215,16 @@ fn in_words(
         }),
     };
     match merge(life.from) {
-        None => format!("{} at A = {from} and lasts to A = {to}, where {end}", BIRTH.one),
+        None => format!("{} at A = {from} and lasts to {to}, where {end}{reversed}", BIRTH.one),
         Some(merge) => {
             let start = it(merge).unwrap_or_else(|| match life.is_with_main {
                 true => "it parts from the main branch".into(),
                 false => MERGE.several.into(),
             });
-            format!("an isola begins at A = {from}, where {start}, and lasts to A = {to}, where {end}")
+            // What parts there may be named by where this one ends.
+            let own = Party::Isola(life.to.forcing, true).name();
+            let start = start.replace(&own, "it");
+            format!("an isola begins at A = {from}, where {start}, and lasts to {to}, where {end}{reversed}")
         }
     }
 }

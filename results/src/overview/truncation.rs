@@ -81,7 +81,7 @@ pub fn truncation(
     said.extend(elsewhere(rows(), of_peaks, &remedy(&said), frequency));
     said.extend(not_found(rows().filter(|(_, row)| !has_maximum(row)), &remedy(&said)));
     let widths = of_widths(&rows, &remedy(&said));
-    let peaks = peaks_of(monitor);
+    let peaks = peaks_of(monitor, rows().map(|(_, row)| row));
     if said == [unchanged(&peaks, harmonics)] && widths.as_deref() == Some(SAME_WIDTHS) {
         return Some(unchanged(&format!("{peaks} and widths of isolas"), harmonics));
     }
@@ -170,7 +170,7 @@ fn of_peaks<'l, I: Iterator<Item = (&'l Level, &'l BranchRow)>>(
     let (level, row, [change, shift]) = changes.max_by(|a, b| largest(a.2).total_cmp(&largest(b.2)))?;
     if largest([change, shift]) <= CONVERGED {
         let most = largest([change, shift]);
-        let peaks = peaks_of(monitor);
+        let peaks = peaks_of(monitor, rows().map(|(_, row)| row));
         if most < NEGLIGIBLE {
             return Some(unchanged(&peaks, harmonics));
         }
@@ -207,9 +207,16 @@ fn of_more<'l, I: Iterator<Item = (&'l Level, &'l BranchRow)>>(rows: &impl Fn() 
     })
 }
 
-/// What peaks are called, of this dof.
-fn peaks_of(monitor: Option<&str>) -> String {
-    monitor.map_or_else(|| "Largest peaks".into(), |monitor| format!("Largest peaks of {monitor}"))
+/// What peaks are called, of this dof: where a branch leaves through a bound, or goes on beyond where it is known, none may be.
+fn peaks_of<'l>(monitor: Option<&str>, rows: impl Iterator<Item = &'l BranchRow>) -> String {
+    let peaks = monitor.map_or_else(|| "Largest peaks".into(), |monitor| format!("Largest peaks of {monitor}"));
+    // Where branches meet others their largest response is no peak.
+    let rows: Vec<&BranchRow> = rows.filter(|row| !row.is_branched() && !row.is_joined()).collect();
+    let (known, all) = (rows.iter().filter(|row| change(row).is_some()).count(), rows.len());
+    if known < all {
+        return format!("{peaks} that are known, of {known} of {all} branches,");
+    }
+    peaks
 }
 
 /// What is told of quantities that stay as they are.

@@ -4,7 +4,7 @@ use super::ordinary::Ordinary;
 use crate::curves::{BackboneCurve, Monitor, Touch};
 use crate::overview::{Excitation, Lesser, Level, LookedFor, has_joints, undetermined};
 use crate::store::{CurveRow, MotionRow, PushRow, SearchCounts};
-use crate::summary_table::Units;
+use crate::summary_table::{LengthUnit, Units};
 use crate::told::{frequency_first_in, in_both_units_from};
 use crate::words::count;
 use protocol::to_everyone::Stage;
@@ -63,6 +63,8 @@ pub struct Evidence<'r> {
     pub ordinary: Box<dyn Fn(f64, f64) -> Option<Ordinary> + 'r>,
     /// Units of the run.
     pub units: Units,
+    /// The unit of lengths, if one was chosen.
+    pub length_unit: Option<LengthUnit>,
 }
 
 /// What was found of a further order of motions, in short.

@@ -2,8 +2,7 @@
 
 use super::evidence::Evidence;
 use super::ordinary::highest_of_all;
-use super::predictions::WINDOWS_ALONE;
-use super::verdict::NOTHING;
+use super::predictions::{NOTHING, WINDOWS_ALONE};
 use crate::overview::{BranchRow, Level, around_largest, highest, is_unmatched, undecided};
 use crate::words::{self, digits};
 use solver::response::branch::BranchKind;

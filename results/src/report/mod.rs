@@ -9,6 +9,7 @@ mod ordinary;
 mod predictions;
 mod ranges;
 mod read;
+mod sentence;
 mod stability;
 #[cfg(test)]
 mod tests;
@@ -17,4 +18,4 @@ mod verdict;
 pub use crate::curves::{BackboneCurve, Curve, Monitor, monitors};
 pub use account::CostAccount;
 pub use read::{Report, RunFacts, Selection};
-pub use verdict::Sentence;
+pub use sentence::Sentence;

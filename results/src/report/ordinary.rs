@@ -35,24 +35,41 @@ impl Ordinary {
     /// a further order, whose frequencies the main branch may not reach, the linear response stands for it there.
     pub fn at(reader: &Reader, model: &Model, settings: &Settings, level: f64, omega: f64) -> Option<Self> {
         let force = model.forcing().harmonic as f64 * omega;
-        let main = main_response(reader, level, force);
+        let mains = whole_mains(reader, level)?;
+        let main = mains.response_at(force);
         let linear = || reader.order().and_then(|_| linear_response(model, settings, level, omega));
         let amplitude = main.or_else(linear)?;
         Some(Self { omega: force, amplitude, is_of_main: main.is_some() })
     }
 }
 
-/// Largest amplitude, m, of the main branches at a level, where the force has a frequency, rad/s; `None` where they are not known. What cannot
-/// be read is said in the report of the first order.
-fn main_response(reader: &Reader, level: f64, omega: f64) -> Option<f64> {
+/// The main branches of a level.
+struct Mains {
+    curves: Vec<Curve>,
+    /// The harmonic of theirs that is forced.
+    harmonic: f64,
+}
+
+/// Those of a level, of the first order, if all of them are known to their ends: else there may be larger responses. What cannot be read is said
+/// in the report of that order.
+fn whole_mains(reader: &Reader, level: f64) -> Option<Mains> {
     let first = Reader::open(reader.dir()).ok()?;
-    let at = omega / first.model().ok()?.forcing_harmonic as f64;
     let overview = Overview::read(&first, &mut Omissions::default()).ok()?;
     let same = overview.levels.iter().find(|other| other.value == level)?;
+    let ends = first.main_outcomes().ok()?;
+    let breaks_off = ends.iter().any(|(amplitude, end)| *amplitude == same.amplitude && end.is_unfinished());
+    let is_whole = same.is_complete() && !breaks_off && same.mains().all(|main| main.at_least().is_empty());
     let curve = |row| Curve::of(&verified_result(&first, row).ok()?, 0).ok()?;
-    let curves = same.mains().filter_map(curve);
-    let responses = curves.filter_map(|main| response_at(&main.omega.values, &main.amplitude.first()?.values, at));
-    responses.max_by(f64::total_cmp)
+    let curves = same.mains().map(curve).collect::<Option<_>>().filter(|_| is_whole)?;
+    Some(Mains { curves, harmonic: first.model().ok()?.forcing_harmonic as f64 })
+}
+
+impl Mains {
+    /// Largest amplitude, m, where the force has a frequency, rad/s; `None` where they are not known.
+    fn response_at(&self, force: f64) -> Option<f64> {
+        let at = |main: &Curve| response_at(&main.omega.values, &main.amplitude.first()?.values, force / self.harmonic);
+        self.curves.iter().filter_map(at).max_by(f64::total_cmp)
+    }
 }
 
 /// Amplitude of the first monitored dof, m, in the linear response at a frequency of the response, rad/s.
@@ -78,6 +95,28 @@ fn response_at(omega: &[f64], amplitudes: &[f64], at: f64) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::fixture::Study;
+    use crate::store::FILE;
+
+    /// Of a main branch that goes on beyond where it is known it is not known what it has at a frequency.
+    #[test]
+    fn of_a_main_branch_known_in_part_nothing_is_told() {
+        let (dir, study) = (tempfile::tempdir().unwrap(), Study::damper());
+        let run = dir.path().join("run");
+        drop(study.finished(&run));
+        let at = || {
+            let reader = Reader::open(&run).unwrap();
+            Ordinary::at(&reader, &study.model, &reader.header().unwrap().settings, 0.006, 1.0)
+        };
+        let ordinary = at().unwrap();
+        assert!(
+            ordinary.is_of_main && ordinary.omega == 1.0 && (0.3..0.4).contains(&ordinary.amplitude),
+            "{ordinary:?}"
+        );
+        let db = rusqlite::Connection::open(run.join(FILE)).unwrap();
+        db.execute("UPDATE branches SET peak_standing = 'at_least' WHERE kind = 'main'", []).unwrap();
+        assert_eq!(at(), None);
+    }
 
     #[test]
     fn of_several_responses_at_one_frequency_the_largest() {

@@ -15,6 +15,9 @@ use solver::response::windows::{Event, EventKind};
 /// Where isolas were looked for, if in windows alone.
 pub(super) const WINDOWS_ALONE: &str = "in windows of the energy balance, where alone they were looked for";
 
+/// What is said of an order of motions of which nothing was found.
+pub(super) const NOTHING: &str = "No such motion was found where it was looked for";
+
 /// Predicted events of a kind that a sentence names.
 const NAMED: usize = 6;
 
@@ -30,13 +33,24 @@ fn barrier((backbone, birth): &(&BackboneCurve, &Event)) -> f64 {
     backbone.threshold.values[first..birth.index].iter().copied().fold(0.0, f64::max)
 }
 
+/// Where it becomes one with that, if not with where the backbone itself begins.
+fn merge_after(birth: &(&BackboneCurve, &Event)) -> Option<f64> {
+    let (backbone, Event { index, .. }) = birth;
+    let first = backbone.pieces.iter().find(|piece| piece.points.contains(index)).map_or(0, |piece| piece.points.start);
+    let merge = barrier(birth);
+    (backbone.threshold.values[first] < merge).then_some(merge)
+}
+
 impl Evidence<'_> {
     /// That there is no isola at the levels, and what fold curves have of isolas nevertheless: at the levels, else between, below or above
     /// them.
     pub(super) fn no_isola(&self) -> String {
         let (levels, curves, bounds) = (self.levels, self.curves, self.bounds);
         let place = if self.is_of_windows_alone() { WINDOWS_ALONE } else { "where it was looked for" };
-        let none = format!("{} {place}{}", self.none(), undecided(levels));
+        let none = match self.has_nothing() {
+            true => NOTHING.to_string(),
+            false => format!("{} {place}{}", self.none(), undecided(levels)),
+        };
         if let Some(there) = self.overlooked() {
             return format!("{none}, though along fold curves {there}.");
         }
@@ -95,15 +109,20 @@ impl Evidence<'_> {
         births.filter(|(_, event)| event.kind == EventKind::Birth).filter(is_met)
     }
 
-    /// Where beyond all levels the energy balance first has a separate response: `from A = 2 on, near 3 rad/s`.
+    /// Where beyond all levels the energy balance first has a separate response: `from A = 2 to 5, near 3 rad/s`.
     pub(super) fn predicted_above(&self) -> Option<String> {
         let values = || self.levels.iter().map(|level| level.value);
         let highest = values().fold(0.0, f64::max);
         let above: Vec<_> =
             self.births().filter(|birth| (highest..barrier(birth)).contains(&birth.1.threshold)).collect();
-        let (_, birth) = earliest_of(&above)?;
+        let (mode, birth) = earliest_of(&above)?;
+        let merges = above.iter().filter(|(backbone, _)| backbone.mode == mode.mode).map(merge_after);
+        let to = merges.collect::<Option<Vec<f64>>>().map_or_else(
+            || "on".into(),
+            |merges| format!("to {}", told_threshold(merges.into_iter().fold(0.0, f64::max), values())),
+        );
         let (from, near) = (told_threshold(birth.threshold, values()), self.frequency(birth.omega));
-        Some(format!("from A = {from} on, near {near}{}", beyond(self.bounds, birth.omega)))
+        Some(format!("from A = {from} {to}, near {near}{}", beyond(self.bounds, birth.omega)))
     }
 
     /// From where on the energy balance alone says that there is more than the main response. A window that is born and
@@ -281,10 +300,10 @@ impl Evidence<'_> {
         }
         if !outside.is_empty() {
             let (responses, levels) = (count(outside.len(), "response"), named(&once(outside)));
-            let lie = if responses.starts_with("1 ") { "leads" } else { "lead" };
+            let [lie, were] = if responses.starts_with("1 ") { ["leads", "was"] } else { ["lead", "were"] };
             sentences.push(format!(
                 "{responses} that the energy balance predicts, which is an estimate, {lie} out of the bounds of frequency or amplitude, at \
-                 {levels}, and were not followed."
+                 {levels}, and {were} not followed."
             ));
         }
         sentences.extend(self.passed());

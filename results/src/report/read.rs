@@ -4,7 +4,7 @@ use super::account::CostAccount;
 use super::evidence::{Evidence, OrderFound, Structure};
 use super::fit::fit_windows;
 use super::ordinary::Ordinary;
-use super::verdict::Sentence;
+use super::sentence::Sentence;
 use super::verdict::verdict;
 use crate::clock::now;
 use crate::curves::{BackboneCurve, Curve, Monitor, Motions, ResonanceComparison, monitors};
@@ -188,6 +188,7 @@ impl Report {
             is_further: reader.order().is_some(),
             ordinary: Box::new(|level, omega| Ordinary::at(reader, &model, &header.settings, level, omega)),
             units: units.or(UnitChoice::of_study(&header.study)).of_table(),
+            length_unit: units.or(UnitChoice::of_study(&header.study)).length,
         };
         let (answers, asked) = (verdict(&evidence), evidence.asked.clone());
         drop(evidence);

@@ -7,64 +7,23 @@ mod tests;
 
 use super::evidence::{Evidence, OrderFound};
 use super::losses::{losses, named, unknown_beyond};
-use super::predictions::WINDOWS_ALONE;
+use super::predictions::{NOTHING, WINDOWS_ALONE};
 use super::ranges::{in_words, joined, over, runs};
+use super::sentence::Sentence;
 use crate::curves::Touch;
 use crate::overview::{
     BranchRow, Doubts, Level, UNTOUCHED, Unforced, around_largest, asks_for_harmonics, beyond, events_sentence,
     highest, is_untouched, modes, not_followed_sentence, passed_over_sentence, reach_sentence, sampled, shift_sentence,
     truncation, turned_sliding,
 };
-use crate::summary_table::{motions, stability, wrapped};
+use crate::summary_table::{motions, stability};
+use crate::told::length_in;
 use crate::words::{self, count};
 use protocol::to_everyone::Stage;
-use serde::Serialize;
 use solver::response::branch::BranchKind;
 
 /// A main branch whose peak lies within this factor of the frequencies of isolas may be what they have become part of.
 const ABOUT: f64 = 1.25;
-
-/// One of the answers.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
-pub struct Sentence {
-    /// The question it answers.
-    pub title: &'static str,
-    /// What is said before the answer: that what was found may be far from all there is, or far from what more harmonics give.
-    pub lead: Option<String>,
-    /// The answer.
-    pub text: String,
-    /// That not all is known, and what is not.
-    pub lost: Option<String>,
-    /// What else is known, sentence by sentence.
-    pub details: Vec<String>,
-    /// How far it reaches: what was looked for, and what was not.
-    pub reach: Option<String>,
-}
-
-impl Sentence {
-    /// All of the answer.
-    pub fn whole(&self) -> String {
-        let answer = self.answer();
-        let all = std::iter::once(answer.as_str()).chain(self.besides());
-        all.collect::<Vec<_>>().join(" ")
-    }
-
-    /// Question and answer on lines of so many columns, what else is known in points below.
-    pub fn lines(&self, width: u16) -> String {
-        let points = self.besides().map(|point| wrapped(&format!("- {point}"), width, "  "));
-        let all = [self.title.into(), wrapped(&self.answer(), width, "")].into_iter().chain(points);
-        all.collect::<Vec<String>>().join("\n")
-    }
-
-    fn answer(&self) -> String {
-        let all = self.lead.iter().chain([&self.text]).chain(&self.lost);
-        all.map(String::as_str).collect::<Vec<_>>().join(" ")
-    }
-
-    fn besides(&self) -> impl Iterator<Item = &str> {
-        self.details.iter().chain(&self.reach).map(String::as_str)
-    }
-}
 
 /// The three answers.
 pub fn verdict(evidence: &Evidence<'_>) -> [Sentence; 3] {
@@ -120,10 +79,13 @@ impl<'r> Evidence<'r> {
         format!("{before}{}{behind}", self.length(row.amplitude_max))
     }
 
-    /// A length, m, in the unit of the largest response.
+    /// A length, m, in the unit that was chosen, else in that of the largest response.
     pub(super) fn length(&self, metres: f64) -> String {
         let largest = self.largest().map_or(metres, |(_, largest)| largest.amplitude_max);
-        words::length_among(metres, largest)
+        match self.length_unit {
+            Some(_) => length_in(metres, self.length_unit),
+            None => words::length_among(metres, largest),
+        }
     }
 
     pub(super) fn with_isolas(&self) -> impl DoubleEndedIterator<Item = &'r Level> + Clone {
@@ -178,7 +140,7 @@ impl<'r> Evidence<'r> {
         parts.extend(excited);
         parts.extend(self.whose());
         if self.has_nothing() {
-            parts.push(format!("{}.", NOTHING));
+            parts.push(self.no_isola());
             return parts.join(" ");
         }
         let Some((level, largest)) = self.largest() else {
@@ -328,10 +290,15 @@ impl<'r> Evidence<'r> {
     }
 
     fn onset(&self) -> String {
+        let place = |omega: f64| format!("{}{}", self.in_both_units(omega), beyond(self.bounds, omega));
+        // What was lost may count.
+        let computed = events_sentence(self.curves, self.levels, self.search.is_whole(), place)
+            .map(|sentence| format!(" {sentence}"))
+            .unwrap_or_default();
         if self.has_nothing() {
             let above = self.predicted_above();
             let above = above.map_or_else(String::new, |above| format!("; the energy balance predicts one {above}"));
-            return format!("{NOTHING} (see the first answer){above}.");
+            return format!("{NOTHING} (see the first answer){above}.{computed}");
         }
         if self.is_empty() && self.is_over() {
             return "Not known: no branch was found.".into();
@@ -340,11 +307,6 @@ impl<'r> Evidence<'r> {
             return format!("Nothing is known yet: {} to come.", count(self.levels.len(), "forcing level"));
         }
         let prediction = self.prediction();
-        let place = |omega: f64| format!("{}{}", self.in_both_units(omega), beyond(self.bounds, omega));
-        // What was lost may count.
-        let computed = events_sentence(self.curves, self.levels, self.search.is_whole(), place)
-            .map(|sentence| format!(" {sentence}"))
-            .unwrap_or_default();
         let missing = not_followed_sentence(self.search.hanging).filter(|_| !computed.is_empty());
         let computed = computed + &missing.map_or_else(String::new, |sentence| format!(" {sentence}"));
         let runs = runs(self.levels);
@@ -403,6 +365,3 @@ impl<'r> Evidence<'r> {
 
 /// What stands before the other answers where the first begins with the truncation.
 const NOT_CONVERGED: &str = "Not all is converged in H (see the first answer).";
-
-/// What is said of an order of motions of which nothing was found.
-pub(super) const NOTHING: &str = "No such motion was found where it was looked for";

@@ -254,7 +254,9 @@ mod tests {
         );
         let said = told(Some("stable")).unwrap();
         assert!(said.starts_with(&format!("{begins}. The periodic motion")) && said.contains("(1.0 % more)"), "{said}");
-        assert!(told(Some("unstable")).unwrap().ends_with("is unstable."));
+        assert!(
+            told(Some("unstable")).unwrap().ends_with("is unstable, which the largest response itself need not be.")
+        );
         assert!(told(Some("none")).unwrap().contains("time marching came to no periodic motion near it"));
         let mut exact = row("isola", 2.0, Some("stable"));
         exact.stability.as_mut().unwrap().peak.as_mut().unwrap().at = Some((2.0, 2.0001));

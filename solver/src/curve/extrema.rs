@@ -37,6 +37,9 @@ pub fn turning_points(values: &[f64], prominence: f64) -> Vec<(usize, bool)> {
 /// A peak stands out where a sequence falls to less than this part of it on both sides.
 const RISE: f64 = 2.0;
 
+/// On one side this part is enough if the sequence falls up to its end.
+const FLANK: f64 = 1.2;
+
 /// Indices of the peaks of a sequence of positive numbers that stand out, ascending, without the largest of all: an amplitude has one at every
 /// resonance.
 pub fn further_peaks(values: &[f64]) -> Vec<usize> {
@@ -48,8 +51,21 @@ pub fn further_peaks(values: &[f64]) -> Vec<usize> {
 pub fn standing_peaks(values: &[f64]) -> Vec<usize> {
     let logs: Vec<f64> = values.iter().map(|value| value.ln()).collect();
     let falls = |i: usize, side: &[f64]| side.iter().any(|value| RISE * value < values[i]);
+    // Where a curve ends on a flank it would fall on.
+    let ends = |i: usize, outwards: &[f64]| {
+        outwards.is_sorted_by(|a, b| a >= b) && outwards.last().is_some_and(|end| FLANK * end < values[i])
+    };
     let turns = turning_points(&logs, RISE.ln()).into_iter().filter(|(_, is_peak)| *is_peak).map(|(i, _)| i);
-    turns.filter(|&i| falls(i, &values[..i]) && falls(i, &values[i + 1..])).collect()
+    let stands = |&i: &usize| {
+        let (before, after) = (values[..i].iter().rev().copied().collect::<Vec<f64>>(), &values[i + 1..]);
+        match (falls(i, &before), falls(i, after)) {
+            (true, true) => true,
+            (true, false) => ends(i, after),
+            (false, true) => ends(i, &before),
+            (false, false) => false,
+        }
+    };
+    turns.filter(stands).collect()
 }
 
 /// Relative error up to which a parabola predicts a value.
@@ -219,7 +235,12 @@ mod tests {
         assert_eq!(further_peaks(&[]), [] as [usize; 0]);
         assert_eq!(standing_peaks(&[1.0, 9.0, 2.0, 5.0, 1.0]), [1, 3]);
         assert_eq!(standing_peaks(&[9.0, 2.0, 5.0, 1.0]), [2]);
-        assert_eq!(standing_peaks(&[1.0, 2.0, 9.0, 5.0]), [] as [usize; 0]);
+        // One whose flank a bound has cut off stands out all the same; a bump before an end, and what rises to one, does not.
+        assert_eq!(standing_peaks(&[1.0, 2.0, 9.0, 5.0]), [2]);
+        assert_eq!(standing_peaks(&[5.0, 9.0, 2.0, 1.0]), [1]);
+        assert_eq!(standing_peaks(&[1.0, 2.0, 9.0, 8.0]), [] as [usize; 0]);
+        assert_eq!(standing_peaks(&[1.0, 9.0, 6.0, 7.0]), [] as [usize; 0]);
+        assert_eq!(standing_peaks(&[7.0, 9.0, 8.0, 7.0]), [] as [usize; 0]);
     }
 
     /// Where what is largest has a corner, the vertex of a parabola may be one of its points by chance, and is not the maximum.

@@ -92,6 +92,7 @@ fn told<'r>(levels: &'r [Level], change: impl FnOnce(&mut Evidence<'r>)) -> [Str
         is_further: false,
         ordinary: Box::new(|_, _| None),
         units: Units::default(),
+        length_unit: None,
     };
     change(&mut evidence);
     verdict(&evidence).map(|sentence| sentence.whole())

@@ -70,3 +70,26 @@ fn from_which_forcing_on_there_are_such_motions() {
         onset(false)
     );
 }
+
+/// Where no level has any, what fold curves have of them is told all the same.
+#[test]
+fn births_beyond_levels_without_motions() {
+    let point = CurvePoint {
+        forcing: 1.25,
+        omega: 105.0,
+        event: Some("birth".into()),
+        doubled: Some((1.25, 105.0)),
+        ..CurvePoint::default()
+    };
+    let curves = [CurveRow { points: vec![point], ..CurveRow::default() }];
+    let levels = [Level { is_without_mains: true, ..level(1.0, Vec::new()) }];
+    let [danger, onset, _] = told(&levels, |evidence| (evidence.is_further, evidence.curves) = (true, &curves));
+    let born = format!(
+        "{NOTHING}, but along fold curves one is born above the highest level, at A = 1.25 (105 rad/s, 16.71 Hz)."
+    );
+    assert!(danger.starts_with(&born), "{danger}");
+    assert!(
+        onset.contains(" Computed along fold curves: an isola is born at A = 1.25 (105 rad/s, 16.71 Hz)"),
+        "{onset}"
+    );
+}
