@@ -9,10 +9,20 @@ use super::lives::{Lasting, joining, lasting, lives};
 use super::merges::{Merge, merges};
 use super::stories::{Story, nearest, of_lives, told};
 use crate::store::{CurvePoint, CurveRow};
+use crate::words::capitalised;
 use solver::response::critical::CriticalKind;
 
 /// Events of a kind that the sentence names.
 const NAMED: usize = 6;
+
+/// How what is told begins.
+const COMPUTED: &str = "Computed along fold curves";
+
+/// What stands in the place of many.
+const BELOW: &str = "What fold curves have of births, merges and ends stands below, isola by isola.";
+
+/// As many after the first are too many for a sentence.
+const FEW: usize = 2;
 
 /// What follows where not all is told.
 const ALL: &str = " (all of it is in events.csv)";
@@ -39,14 +49,50 @@ const UNKNOWN: &str = "*";
 const UNCONFIRMED: &str = "Not confirmed: with twice the harmonics it was not found near there, and may happen at another A or not at all; \
      set harmonics.count to twice as many to see.";
 
+/// What happens along fold curves, in words.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Events {
+    /// Isola by isola.
+    parts: Vec<String>,
+    /// Whether nothing is left out.
+    is_all: bool,
+    /// Whether something was not found with twice the harmonics.
+    is_any_doubtful: bool,
+}
+
+impl Events {
+    /// All of it as a sentence.
+    pub fn sentence(&self) -> String {
+        format!("{COMPUTED}: {}{}.{}", self.parts.join("; "), self.all(), self.doubt())
+    }
+
+    /// The same as sentences, one for each isola, if there are too many for one; what stands in their place.
+    pub fn sentences(&self) -> Option<(&'static str, Vec<String>)> {
+        let (first, others) = self.parts.split_first().filter(|(_, others)| others.len() >= FEW)?;
+        let (last, others) = others.split_last()?;
+        let one = std::iter::once(format!("{COMPUTED}: {first}."));
+        let others = others.iter().map(|part| format!("{}.", capitalised(part)));
+        let last = format!("{}{}.{}", capitalised(last), self.all(), self.doubt());
+        Some((BELOW, one.chain(others).chain([last]).collect()))
+    }
+
+    fn all(&self) -> &'static str {
+        if self.is_all { "" } else { ALL }
+    }
+
+    fn doubt(&self) -> String {
+        if self.is_any_doubtful { format!(" ({UNKNOWN} {UNCONFIRMED})") } else { String::new() }
+    }
+}
+
 /// Where isolas are born and where branches merge, as fold curves say: isola by isola, and which branches, where that is known for
 /// sure; if `is_whole`, from the levels whether they merge or part, where the curves do not tell. Of many those among the levels come first.
-pub fn events_sentence(
+pub fn events(
     curves: &[CurveRow],
     levels: &[Level],
     is_whole: bool,
     frequency: impl Fn(f64) -> String,
-) -> Option<String> {
+) -> Option<Events> {
     let place = |point: &CurvePoint| {
         let (own, doubled) = forcing_digits(point, DIGITS);
         let mark = if point.doubled.is_none() { UNKNOWN } else { "" };
@@ -110,9 +156,7 @@ pub fn events_sentence(
     let is_all = further.is_empty() && parts.iter().all(|part| part.is_all);
     let parts: Vec<String> =
         (parts.into_iter().map(|part| part.text)).chain(further).chain(unrelated.then(|| UNRELATED.into())).collect();
-    let all = if is_all { "" } else { ALL };
-    let doubt = if is_any_doubtful { format!(" ({UNKNOWN} {UNCONFIRMED})") } else { String::new() };
-    (!parts.is_empty()).then(|| format!("Computed along fold curves: {}{all}.{doubt}", parts.join("; ")))
+    (!parts.is_empty()).then_some(Events { parts, is_all, is_any_doubtful })
 }
 
 /// A part of the sentence.
@@ -145,6 +189,15 @@ fn group(
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    fn sentence_of(
+        curves: &[CurveRow],
+        levels: &[Level],
+        is_whole: bool,
+        frequency: impl Fn(f64) -> String,
+    ) -> Option<String> {
+        events(curves, levels, is_whole, frequency).map(|events| events.sentence())
+    }
     use crate::store::{BranchRow, Crossing};
 
     #[test]
@@ -161,7 +214,7 @@ mod tests {
         let crossing =
             |segment, branch: &str| Crossing { segment, forcing: 2.0, amplitude: "2".into(), branch: branch.into() };
         let mut known = curve(&[(1.0, ""), (4.0, "merge"), (1.5, "birth"), (3.0, "")]);
-        let say = |curves: &[CurveRow]| events_sentence(curves, &[], true, |omega| format!("{omega} rad/s"));
+        let say = |curves: &[CurveRow]| sentence_of(curves, &[], true, |omega| format!("{omega} rad/s"));
         let before = "Computed along fold curves: an isola is born at A = 1.5 (3 rad/s); ";
         let unknown = "two branches merge or part at A = 4 (8 rad/s); which of these belong together is not known.";
         assert_eq!(say(&[known.clone()]).unwrap(), format!("{before}{unknown}"));
@@ -244,7 +297,7 @@ mod tests {
         let curves = [CurveRow { points: vec![point], ..CurveRow::default() }];
         let said = |kinds: [&[&str]; 2]| {
             let levels = [level(2.0, kinds[0]), level(4.0, kinds[1])];
-            events_sentence(&curves, &levels, true, |omega| omega.to_string()).unwrap()
+            sentence_of(&curves, &levels, true, |omega| omega.to_string()).unwrap()
         };
         assert!(said([&one, &none]).contains(": an isola merges with the main branch at A = 3"));
         assert!(said([&none, &one]).contains(": an isola parts from the main branch at A = 3"));
@@ -266,11 +319,26 @@ mod tests {
         };
         let said = |second| {
             let curve = CurveRow { points: vec![point(2.0, Some(2.1)), point(3.0, second)], ..CurveRow::default() };
-            events_sentence(&[curve], &[], true, |omega| omega.to_string()).unwrap()
+            sentence_of(&[curve], &[], true, |omega| omega.to_string()).unwrap()
         };
         let first = "Computed along fold curves: isolas are born at A = 2 (2.1 with twice the harmonics; 2)";
         assert_eq!(said(Some(3.0)), format!("{first}, 3 (3)."));
         assert_eq!(said(None), format!("{first}, 3* (3). (* {UNCONFIRMED})"));
+    }
+
+    /// Of many isolas each has a sentence of its own, where there is room.
+    #[test]
+    fn many_isolas_are_told_one_by_one() {
+        let told = |parts: &[&str]| {
+            let parts = parts.iter().map(ToString::to_string).collect();
+            Events { parts, is_all: false, is_any_doubtful: false }.sentences()
+        };
+        assert_eq!(told(&["one is", "two is"]), None);
+        let (_, sentences) = told(&["one is", "two is", "three is"]).unwrap();
+        assert_eq!(
+            sentences,
+            ["Computed along fold curves: one is.", "Two is.", "Three is (all of it is in events.csv)."]
+        );
     }
 
     /// However much happens beyond the levels, what happens among them is told, and the sentence stays readable.
@@ -291,7 +359,7 @@ mod tests {
             CurveRow { points, ..CurveRow::default() }
         };
         let curves: Vec<CurveRow> = (1..=30).map(f64::from).chain([150.0]).map(isola).collect();
-        let said = events_sentence(&curves, &levels, true, |omega| omega.to_string()).unwrap();
+        let said = sentence_of(&curves, &levels, true, |omega| omega.to_string()).unwrap();
         assert_eq!(said.matches("an isola is born at A = ").count(), 5, "{said}");
         // From which forcing on there are isolas is told however far that is.
         assert!(said.contains("an isola is born at A = 1 (1); at A = 1.5"), "{said}");
@@ -301,7 +369,7 @@ mod tests {
         // And so of births alone.
         let births: Vec<CurvePoint> =
             (1..=30).map(f64::from).chain([150.0]).map(|forcing| event(forcing, "birth")).collect();
-        let said = events_sentence(&[CurveRow { points: births, ..CurveRow::default() }], &levels, true, |omega| {
+        let said = sentence_of(&[CurveRow { points: births, ..CurveRow::default() }], &levels, true, |omega| {
             omega.to_string()
         });
         assert!(

@@ -47,7 +47,7 @@ pub use bounds::{beyond, bounds, is_within, reach_sentence};
 pub use confirmed::{Doubts, is_unconfirmed, is_unmatched};
 pub use doubts::{doubts, ends_far_beyond, ends_near, stopped};
 pub use event_words::{BIRTH, DEATH, EVENTS, EventWords, MERGE, MERGES};
-pub use events::events_sentence;
+pub use events::{Events, events};
 pub use excitation::{Excitation, Unforced};
 pub use folds::{
     CurveEvent, born_above, born_below, born_between, curve_events, events_of, later_birth, level_between,

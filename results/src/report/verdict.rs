@@ -12,8 +12,8 @@ use super::ranges::{in_words, joined, over, runs};
 use super::sentence::Sentence;
 use crate::curves::Touch;
 use crate::overview::{
-    BranchRow, Doubts, Level, UNTOUCHED, Unforced, around_largest, asks_for_harmonics, beyond, events_sentence,
-    highest, is_untouched, modes, not_followed_sentence, passed_over_sentence, reach_sentence, sampled, shift_sentence,
+    BranchRow, Doubts, Events, Level, UNTOUCHED, Unforced, around_largest, asks_for_harmonics, beyond, events, highest,
+    is_untouched, modes, not_followed_sentence, passed_over_sentence, reach_sentence, sampled, shift_sentence,
     truncation, turned_sliding,
 };
 use crate::summary_table::{motions, stability};
@@ -247,9 +247,18 @@ impl<'r> Evidence<'r> {
         self.truncation().filter(|sentence| asks_for_harmonics(sentence))
     }
 
-    /// How the frequency of the largest response goes, and what the energy balance predicts between the levels.
+    /// What many isolas do along fold curves, how the frequency of the largest response goes, and what the energy balance predicts between the levels.
     fn over_the_forcing(&self) -> Vec<String> {
-        shift_sentence(self.levels, |omega| self.frequency(omega)).into_iter().chain(self.predicted_events()).collect()
+        let computed = self.events().and_then(|events| Some(events.sentences()?.1)).unwrap_or_default();
+        let shift = shift_sentence(self.levels, |omega| self.frequency(omega));
+        computed.into_iter().chain(shift).chain(self.predicted_events()).collect()
+    }
+
+    /// What happens along fold curves.
+    fn events(&self) -> Option<Events> {
+        let place = |omega: f64| format!("{}{}", self.in_both_units(omega), beyond(self.bounds, omega));
+        // What was lost may count.
+        events(self.curves, self.levels, self.search.is_whole(), place)
     }
 
     /// What ordinary continuation leaves out beside isolas; other branches where there are no isolas to tell them with.
@@ -290,11 +299,10 @@ impl<'r> Evidence<'r> {
     }
 
     fn onset(&self) -> String {
-        let place = |omega: f64| format!("{}{}", self.in_both_units(omega), beyond(self.bounds, omega));
-        // What was lost may count.
-        let computed = events_sentence(self.curves, self.levels, self.search.is_whole(), place)
-            .map(|sentence| format!(" {sentence}"))
-            .unwrap_or_default();
+        let computed = self.events().map_or_else(String::new, |events| match events.sentences() {
+            Some((below, _)) => format!(" {below}"),
+            None => format!(" {}", events.sentence()),
+        });
         if self.has_nothing() {
             let above = self.predicted_above();
             let above = above.map_or_else(String::new, |above| format!("; the energy balance predicts one {above}"));

@@ -6,8 +6,8 @@ use super::rows::is_on_main;
 use super::units::Units;
 use super::{LEVELS, monitors, motions, pushes, search};
 use crate::overview::{
-    UNTOUCHED, asks_for_harmonics, beyond, events_sentence, is_untouched, not_followed_sentence, reach_sentence,
-    truncation_of, undetermined,
+    UNTOUCHED, asks_for_harmonics, beyond, events, is_untouched, not_followed_sentence, reach_sentence, truncation_of,
+    undetermined,
 };
 
 /// What windows say in rows that list nothing beside the main branch.
@@ -42,7 +42,7 @@ fn over_the_forcing(known: &Known, units: Units) -> Vec<String> {
     let (bounds, unit) = (known.bounds(), units.frequency);
     let place = |omega: f64| format!("{}{}", unit.told(omega), beyond(bounds, omega));
     // What was lost may count.
-    let events = events_sentence(&known.curves, known.levels(), known.search.is_whole(), place);
+    let events = events(&known.curves, known.levels(), known.search.is_whole(), place).map(|events| events.sentence());
     let missing = not_followed_sentence(known.search.hanging).filter(|_| events.is_some());
     ([events, missing].into_iter().flatten())
         .chain(motions::brief(&known.motions, units, known.is_further))
