@@ -159,16 +159,16 @@ pub fn notes_of_sweep(study: &Study) -> Vec<String> {
         .collect()
 }
 
-/// That motions of the highest order that is looked for have few harmonics of the force, if there are several orders: a sentence.
+/// That motions of the highest order that is looked for have few harmonics of the force: a sentence.
 fn few_harmonics(study: &Study) -> Option<String> {
     let orders = Orders::of(&study.model, &study.settings);
-    let longest = orders.iter().map(Order::number).max().filter(|_| orders.iter().count() > 1)?;
+    let longest = orders.iter().map(Order::number).max().filter(|order| *order > 1)?;
     let all = study.settings.harmonics.count;
     let own = all / longest;
     (own < FEW).then(|| {
         format!(
             "harmonics.count = {all}, of which motions that last {longest} periods of the force have {own} of the force: some may be \
-             missed, or come out wrong; {} is as many for them as {all} for those of its own period",
+             missed, or come out wrong; {} resolves them as {all} does motions of the force's own period",
             longest * all
         )
     })

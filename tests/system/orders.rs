@@ -77,7 +77,7 @@ fn an_order_has_what_the_structure_forced_on_its_harmonic_has() {
     assert!(run.join("report.html").exists() && run.join("m3/report.html").exists());
     let own = "This is of motions of the force's own period.";
     assert!(
-        report.contains(own) && report.contains("This is of motions that last 3 periods of the force."),
+        report.contains(own) && report.contains("This is of motions that last 3 periods of the force; frequencies are theirs, the force has 3 times as much."),
         "{report}"
     );
     // Pages lead to each other where they were written together.

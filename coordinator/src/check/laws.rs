@@ -1,10 +1,10 @@
 //! What is probably not meant of laws.
 
 use super::softening::compliance;
-use super::touch::pressed_at_rest;
 use super::units::length;
 use super::weight::Weight;
 use crate::study::Study;
+use results::overview::pressed_at_rest;
 use results::words::{digits, number};
 use solver::settings::Quadrature;
 use solver::structure::Element;

@@ -2,7 +2,7 @@
 
 use super::units::frequency;
 use crate::study::Study;
-use results::overview::is_within;
+use results::overview::{acting_at_rest, is_within, pressed_at_rest};
 use results::words::number;
 use solver::formulation::Formulation;
 use solver::formulation::harmonics::complex;
@@ -23,8 +23,8 @@ const NARROWED: usize = 40;
 
 /// What the linear response does not tell.
 const ISOLAS: &str = "isolas may be there, and touch, from far lower forcing on, \
-                      or be born at several times it, or at tens of times: levels from a third of it to five times it are a start, and where \
-                      there is none larger ones";
+                      or be born at several times it, or at tens of times: levels from a third of it to five times it are a start, and, \
+                      where these show none, larger ones";
 
 /// Where the linear structure touches first.
 pub(super) struct FirstTouch<'m> {
@@ -112,7 +112,13 @@ pub(super) fn first_touch<'s>(study: &'s Study, followed: &[usize]) -> Option<Fi
     let bounds = [min, max].into_iter().flatten().map(|omega| (Place::Bound, omega));
     let touches = about.chain(bounds).filter_map(|(place, omega)| {
         let (forcing, name) = at(omega)?;
-        Some(FirstTouch { forcing, name, place, omega, left_out: acting_at_rest(model) })
+        Some(FirstTouch {
+            forcing,
+            name,
+            place,
+            omega,
+            left_out: acting_at_rest(model).map(|element| element.name.as_str()).collect(),
+        })
     });
     touches.min_by(|a, b| a.forcing.total_cmp(&b.forcing))
 }
@@ -130,20 +136,6 @@ pub(super) fn smallest(of: impl Fn(f64) -> Option<f64>, middle: f64, (low, high)
         if value(left) < value(right) { b = right } else { a = left }
     }
     Some(f64::midpoint(a, b))
-}
-
-/// Elastic stops that are pressed at rest.
-pub(super) fn pressed_at_rest(model: &Model) -> impl Iterator<Item = (&Element, f64)> {
-    model.elements().iter().filter_map(|element| match &element.law {
-        LawKind::PenaltySpring(spring) if spring.gap < 0.0 => Some((element, spring.gap)),
-        _ => None,
-    })
-}
-
-/// Elements that act on the smallest motions: joints that stick, friction, linear terms.
-fn acting_at_rest(model: &Model) -> Vec<&str> {
-    let acts = |law: &LawKind| law.clearance().is_none() && (law.stiffness_bound() > 0.0 || law.damping_bound() > 0.0);
-    model.elements().iter().filter(|element| acts(&element.law)).map(|element| element.name.as_str()).collect()
 }
 
 /// What touches first at a frequency, and from which forcing on.

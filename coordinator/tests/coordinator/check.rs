@@ -26,7 +26,7 @@ normal = "x"
 
 const TOUCHES: &str = "touches     from A = 0.19999 on, stop first, at 99.99 rad/s, at the resonance of mode 1, in the linear response alone; \
                        isolas may be there, and touch, from far lower forcing on, or be born at several times it, or at tens of times: levels from a third \
-                       of it to five times it are a start, and where there is none larger ones\n";
+                       of it to five times it are a start, and, where these show none, larger ones\n";
 
 /// Warnings of a study of the mass with this changed, and everything that is said.
 pub(crate) fn checked(model: &str, amplitudes: &str, set: &[(&str, &str)]) -> (Vec<String>, String) {

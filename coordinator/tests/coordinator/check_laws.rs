@@ -198,7 +198,7 @@ fn where_one_of_two_joints_slips_first() {
 fn what_touches_first_without_what_acts_at_rest() {
     let joint = "\n[[laws]]\nname = \"strip\"\ndof = \"x\"\nlaw = { jenkins = { stiffness = 3e4, limit = 1 } }\n";
     let (warnings, text) = checked(&format!("{MODEL}{joint}"), "0.1", &[]);
-    let told = "at the resonance of mode 1, in the response of the matrices alone; with `strip` it may be much earlier or later; isolas may be there, and touch, from far lower forcing on, or be born at several times it, or at tens of times: levels from a third of it to five times it are a start, and where there is none larger ones\n";
+    let told = "at the resonance of mode 1, in the response of the matrices alone; with `strip` it may be much earlier or later; isolas may be there, and touch, from far lower forcing on, or be born at several times it, or at tens of times: levels from a third of it to five times it are a start, and, where these show none, larger ones\n";
     assert!(text.contains(told) && warnings.is_empty(), "{warnings:?}\n{text}");
 }
 

@@ -31,7 +31,7 @@ const LACKING: &str = "–";
 const ROUNDING: f64 = 1e-8;
 
 /// Behind an isola that shares no frequency with that of the first run.
-const ANOTHER: &str = " (at other frequencies: another isola)";
+const ANOTHER: &str = " (at other frequencies: it may be another isola)";
 
 /// Rows of all levels that several runs have.
 pub(super) fn rows(reports: &[Report], levels: &[ComparedLevel]) -> Vec<NumberRow> {

@@ -19,7 +19,7 @@ const NAMED: usize = 6;
 const COMPUTED: &str = "Computed along fold curves";
 
 /// What stands in the place of many.
-const BELOW: &str = "What fold curves have of births, merges and ends stands below, isola by isola.";
+const BELOW: &str = "What fold curves have of births, merges and ends stands below, one by one.";
 
 /// As many after the first are too many for a sentence.
 const FEW: usize = 2;
@@ -69,11 +69,11 @@ impl Events {
     /// The same as sentences, one for each isola, if there are too many for one; what stands in their place.
     pub fn sentences(&self) -> Option<(&'static str, Vec<String>)> {
         let (first, others) = self.parts.split_first().filter(|(_, others)| others.len() >= FEW)?;
-        let (last, others) = others.split_last()?;
         let one = std::iter::once(format!("{COMPUTED}: {first}."));
         let others = others.iter().map(|part| format!("{}.", capitalised(part)));
-        let last = format!("{}{}.{}", capitalised(last), self.all(), self.doubt());
-        Some((BELOW, one.chain(others).chain([last]).collect()))
+        let all = (!self.is_all).then(|| "All of it is in events.csv.".to_string());
+        let doubt = self.is_any_doubtful.then(|| format!("{UNKNOWN} {UNCONFIRMED}"));
+        Some((BELOW, one.chain(others).chain(all).chain(doubt).collect()))
     }
 
     fn all(&self) -> &'static str {
@@ -270,7 +270,9 @@ mod tests {
         close.points[2].doubled = Some((1.1399, 2.0));
         let said = say(&[close.clone()]).unwrap();
         assert!(
-            said.contains("is born at A = 1.14 (2.2775 rad/s); at 0.00047 above A = 1.14 (2.2775 rad/s) it merges or"),
+            said.contains(
+                "is born at A = 1.14 (2.2775 rad/s); at A = 1.1392 (2.27844 rad/s), 0.00047 above it merges or"
+            ),
             "{said}"
         );
         assert!(said.ends_with("(with twice the harmonics it would end before it begins: at least one of the two is something else there)."), "{said}");
@@ -337,7 +339,7 @@ mod tests {
         let (_, sentences) = told(&["one is", "two is", "three is"]).unwrap();
         assert_eq!(
             sentences,
-            ["Computed along fold curves: one is.", "Two is.", "Three is (all of it is in events.csv)."]
+            ["Computed along fold curves: one is.", "Two is.", "Three is.", "All of it is in events.csv."]
         );
     }
 

@@ -6,7 +6,7 @@ use super::stability_words::by_marching;
 use super::windows::{elsewhere, tell_elsewhere, within};
 use crate::store::{BranchRow, Reader, WindowOutcome, WindowRow};
 use serde::{Serialize, Serializer};
-use solver::response::branch::BranchKind;
+use solver::response::branch::{BranchKind, Outcome};
 
 /// A forcing level.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
@@ -109,6 +109,16 @@ impl Level {
     /// The main branch with the point of largest amplitude.
     pub fn main(&self) -> Option<&BranchRow> {
         highest(self.mains()).or_else(|| self.mains().next())
+    }
+
+    /// Whether its main branches are known to their ends: none of two sides lacks one, and none breaks off; `ends`: how main branches end, with
+    /// their forcing amplitudes as typed.
+    pub fn has_whole_mains(&self, ends: &[(String, Outcome)]) -> bool {
+        let mut own = ends.iter().filter(|(amplitude, _)| *amplitude == self.amplitude);
+        self.is_complete()
+            && self.main_failure.is_none()
+            && self.mains().all(|main| main.at_least().is_empty())
+            && !own.any(|(_, outcome)| outcome.is_unfinished())
     }
 
     /// Branches that are not main ones.

@@ -91,10 +91,10 @@ pub(super) fn is_within_its_life(curves: &[CurveRow], name: &str, level: (&str, 
     let kind = if is_birth { CriticalKind::Birth } else { CriticalKind::Death };
     let between = |point: &CurvePoint| (forcing.min(value)..=forcing.max(value)).contains(&point.forcing);
     let is_own = |curve: &CurveRow, at: usize| {
-        [false, true].into_iter().all(|is_onwards| {
-            let edge = edge(curve, at, is_onwards, is_birth);
-            edge.crossings.first().is_some_and(|first| first.amplitude == amplitude && first.branch == name)
-        })
+        let firsts = [false, true].map(|is_onwards| edge(curve, at, is_onwards, is_birth).crossings.first().copied());
+        let mut firsts = firsts.into_iter().flatten().peekable();
+        // An edge that is lost on the way says nothing.
+        firsts.peek().is_some() && firsts.all(|first| first.amplitude == amplitude && first.branch == name)
     };
     let of_curve = |curve: &CurveRow| {
         let ends = curve.points.iter().enumerate();

@@ -223,7 +223,7 @@ impl LookedFor<'_> {
                     0 => ", of which some levels have none".to_string(),
                     fewest => {
                         format!(
-                            ": {fewest} a level at least; what one of {} such starts meets is missed with a probability of 5 %",
+                            ": {fewest} a level at least; what one of {} such starts meets is missed with a probability of 5 % at most",
                             (fewest / FOR_FIVE_PERCENT).max(1)
                         )
                     }
@@ -258,10 +258,12 @@ impl LookedFor<'_> {
             };
             Some((mode, format!("; the backbone of {name} ends {place}, and no window beyond was looked for")))
         };
-        let ends: Vec<(usize, String)> = self.backbones.iter().filter_map(end).collect();
-        let are_short = ends.iter().any(|(mode, _)| self.short.contains(mode));
-        let farther = are_short.then(|| FARTHER.to_string());
-        ends.into_iter().map(|(_, told)| told).chain(farther).chain(self.across()).collect()
+        let mut ends: Vec<(usize, String)> = self.backbones.iter().filter_map(end).collect();
+        // Said once, of the last of which it is so.
+        if let Some((_, last)) = ends.iter_mut().rfind(|(mode, _)| self.short.contains(mode)) {
+            last.push_str(FARTHER);
+        }
+        ends.into_iter().map(|(_, told)| told).chain(self.across()).collect()
     }
 
     /// Whose backbones may be crossed by more curves than were followed.
@@ -369,9 +371,9 @@ mod tests {
             "64 random starts (none at some levels)",
             "; not of mode 3 (more than are followed",
             "; folds were not followed (a law has a corner)",
-            "; the backbone of mode 1 ends at A* = 2.5, and no window beyond was looked for; the backbone of mode 2 ends at a branch point near 60 \
-             rad/s (9.549 Hz), beyond A* = 2.5, and no window beyond was looked for (this run began with smaller levels: a sweep of its own \
-             with all of them looks farther); of the curves that cross the backbone of mode 2, 8 were followed, and there may be more;",
+            "; the backbone of mode 1 ends at A* = 2.5, and no window beyond was looked for (this run began with smaller levels: a sweep of its own with all \
+             of them looks farther); the backbone of mode 2 ends at a branch point near 60 rad/s (9.549 Hz), beyond A* = 2.5, and no window \
+             beyond was looked for; of the curves that cross the backbone of mode 2, 8 were followed, and there may be more;",
         ] {
             assert!(said.contains(part), "{said}");
         }

@@ -3,6 +3,7 @@
 
 mod amplitude_bound;
 mod around_largest;
+mod at_rest;
 mod beginnings;
 mod bounds;
 mod confirmed;
@@ -42,6 +43,7 @@ mod windows;
 
 pub use amplitude_bound::amplitude_bound;
 pub use around_largest::around_largest;
+pub use at_rest::{acting_at_rest, pressed_at_rest};
 pub use beginnings::{beginning, is_begun};
 pub use bounds::{beyond, bounds, is_within, reach_sentence};
 pub use confirmed::{Doubts, is_unconfirmed, is_unmatched};

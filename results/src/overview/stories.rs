@@ -53,11 +53,12 @@ impl Story {
             what.filter(|what| !what.contains(BIRTH.verb)).unwrap_or_else(|| "they merge with each other".into());
         let latest = if first.from.forcing > second.from.forcing { first.from } else { second.from };
         let to = end_of(latest, first.to, &place);
+        let is_any = [first.from, second.from].iter().any(|from| is_reversed(from, first.to));
         let [one, other] = [first.from, second.from].map(place);
         let text = format!(
             "{} at A = {one} and A = {other} and last to {to}, where {ends}{}",
             BIRTH.several,
-            reversed(latest, first.to)
+            reversed(is_any, "one of these")
         );
         Self { range: (first.from.forcing.min(second.from.forcing), first.to.forcing), text, more: LIVE }
     }
@@ -160,23 +161,23 @@ pub(super) fn nearest<T>(
 /// Where an isola ends, `A = 2 (3 rad/s)`; how far above its beginning, where digits do not tell them apart, or have them the other way
 /// round.
 fn end_of(from: &CurvePoint, to: &CurvePoint, place: impl Fn(&CurvePoint) -> String) -> String {
-    let own = |point: &CurvePoint| forcing_digits(point, DIGITS).0;
-    let value = |point: &CurvePoint| own(point).parse::<f64>().unwrap_or(f64::NAN);
-    let above = digits(to.forcing - from.forcing, 2);
-    match (own(from) == own(to), value(from) < value(to)) {
-        (true, _) => format!("A = {}, {above} above", place(to)),
-        (false, true) => format!("A = {}", place(to)),
-        (false, false) => format!("{above} above A = {}", place(from)),
+    let value = |point: &CurvePoint| forcing_digits(point, DIGITS).0.parse::<f64>().unwrap_or(f64::NAN);
+    let told = place(to);
+    match value(from) < value(to) {
+        true => format!("A = {told}"),
+        false => format!("A = {told}, {} above", digits(to.forcing - from.forcing, 2)),
     }
 }
 
-/// What is said of an isola that twice the harmonics would have end before it begins.
-const REVERSED: &str =
-    " (with twice the harmonics it would end before it begins: at least one of the two is something else there)";
+/// Whether twice the harmonics would have an isola end before it begins.
+fn is_reversed(from: &CurvePoint, to: &CurvePoint) -> bool {
+    from.doubled.zip(to.doubled).is_some_and(|((from, _), (to, _))| from > to)
+}
 
-fn reversed(from: &CurvePoint, to: &CurvePoint) -> &'static str {
-    let is_reversed = from.doubled.zip(to.doubled).is_some_and(|((from, _), (to, _))| from > to);
-    if is_reversed { REVERSED } else { "" }
+/// What is said of it then; `which`: what it is called.
+fn reversed(is_so: bool, which: &str) -> String {
+    let what = "would end before it begins: at least one of the two is something else there";
+    if is_so { format!(" (with twice the harmonics {which} {what})") } else { String::new() }
 }
 
 /// An isola from its birth to its end.
@@ -191,7 +192,7 @@ fn in_words(
     let it =
         |merge: &Merge<'_>| merge.of_isola.as_ref().map(|does| format!("it {does}")).or_else(|| merge.what.clone());
     let (from, to) = (place(life.from), end_of(life.from, life.to, &place));
-    let reversed = reversed(life.from, life.to);
+    let reversed = reversed(is_reversed(life.from, life.to), "it");
     let is_end = |merge: &Merge<'_>| {
         let is_counted = matches!(counted(life.to), Some(Counted::MergesWithMain | Counted::Merges));
         life.is_with_main || is_counted || it(merge).is_some()

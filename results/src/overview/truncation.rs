@@ -211,7 +211,8 @@ fn of_more<'l, I: Iterator<Item = (&'l Level, &'l BranchRow)>>(rows: &impl Fn() 
 fn peaks_of<'l>(monitor: Option<&str>, rows: impl Iterator<Item = &'l BranchRow>) -> String {
     let peaks = monitor.map_or_else(|| "Largest peaks".into(), |monitor| format!("Largest peaks of {monitor}"));
     // Where branches meet others their largest response is no peak.
-    let rows: Vec<&BranchRow> = rows.filter(|row| !row.is_branched() && !row.is_joined()).collect();
+    let is_counted = |row: &&BranchRow| change(row).is_some() || (!row.is_branched() && !row.is_joined());
+    let rows: Vec<&BranchRow> = rows.filter(is_counted).collect();
     let (known, all) = (rows.iter().filter(|row| change(row).is_some()).count(), rows.len());
     if known < all {
         return format!("{peaks} that are known, of {known} of {all} branches,");

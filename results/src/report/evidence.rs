@@ -1,5 +1,6 @@
 //! What the answers of a report are drawn from.
 
+use super::folded::Folded;
 use super::ordinary::Ordinary;
 use crate::curves::{BackboneCurve, Monitor, Touch};
 use crate::overview::{Excitation, Lesser, Level, LookedFor, has_joints, undetermined};
@@ -27,6 +28,8 @@ pub struct Evidence<'r> {
     pub modes: Option<&'r ModesFollowed>,
     /// How main branches end, with their forcing amplitudes as typed.
     pub mains: &'r [(String, Outcome)],
+    /// Levels whose main branches turn back.
+    pub folded: Vec<Folded>,
     /// Fold curves.
     pub curves: &'r [CurveRow],
     /// What became of the tasks that follow from folds.

@@ -79,7 +79,7 @@ impl<'r> Evidence<'r> {
             ratio => format!("{:.0} % less than the", (1.0 - ratio) * 100.0),
         };
         format!(
-            " At A = {} an isola goes up to {} at {}, {compared} {} of the {what} where the force has the same frequency, {}.",
+            " At A = {} an isola goes up to {} at {}, {compared} {} or so of the {what} where the force has the same frequency, {}.",
             level.amplitude,
             self.size(isola),
             self.frequency(isola.omega_at_max),
@@ -143,13 +143,17 @@ impl<'r> Evidence<'r> {
     fn there(&self, Gain { level, isola, is_whole, .. }: &Gain<'_>) -> String {
         let omega = isola.omega_at_max;
         if let Some(ordinary) = (self.ordinary)(level.value, omega) {
-            return format!(" At {} the main branch has {}.", self.frequency(omega), self.length(ordinary.amplitude));
+            return format!(
+                " At {} the main branch reaches about {}.",
+                self.frequency(omega),
+                self.length(ordinary.amplitude)
+            );
         }
         let ends = level.mains().map(|main| main.omega);
         let (low, high) = ends.fold((f64::INFINITY, 0.0_f64), |(low, high), ends| (low.min(ends.0), high.max(ends.1)));
         let (bound, how) = match omega {
-            omega if omega < low => (low, "begins, a lower frequency.min has it followed there"),
-            omega if omega > high => (high, "ends, a higher frequency.max has it followed there"),
+            omega if omega < low => (low, "begins; a lower frequency.min follows it farther"),
+            omega if omega > high => (high, "ends; a higher frequency.max follows it farther"),
             _ => return String::new(),
         };
         // Of one that broke off that is said elsewhere.

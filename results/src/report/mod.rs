@@ -3,6 +3,7 @@
 mod account;
 mod evidence;
 mod fit;
+mod folded;
 mod losses;
 mod missed;
 mod ordinary;

@@ -1,7 +1,9 @@
-//! What ordinary continuation has under the same force as an isola of motions of a further order.
+//! What ordinary continuation has under the same force as an isola.
 
 use crate::curves::Curve;
-use crate::overview::{BranchRow, Level, Omissions, Overview, highest, verified_result};
+use crate::overview::{
+    BranchRow, Level, Omissions, Overview, acting_at_rest, highest, pressed_at_rest, verified_result,
+};
 use crate::store::Reader;
 use solver::formulation::Formulation;
 use solver::formulation::harmonics::complex;
@@ -31,13 +33,27 @@ pub(super) fn highest_of_all(levels: &[Level]) -> Option<(&Level, &BranchRow)> {
 }
 
 impl Ordinary {
-    /// At a level and a frequency of the response, rad/s, of this model, its force on the harmonic of the order that `reader` tells of. Of
-    /// a further order, whose frequencies the main branch may not reach, the linear response stands for it there.
-    pub fn at(reader: &Reader, model: &Model, settings: &Settings, level: f64, omega: f64) -> Option<Self> {
+    /// At a level, by its forcing amplitude, and a frequency of the response, rad/s, of this model, its force on the harmonic of the order that
+    /// `reader` tells of, whose `levels` these are. Of a further order, whose frequencies the main branch may not reach, the linear
+    /// response stands for it there, unless something acts on the smallest motions.
+    pub fn at(
+        reader: &Reader,
+        levels: &[Level],
+        (model, settings): (&Model, &Settings),
+        (level, omega): (f64, f64),
+    ) -> Option<Self> {
         let force = model.forcing().harmonic as f64 * omega;
-        let mains = whole_mains(reader, level)?;
+        let mains = match reader.order() {
+            None => Mains::whole(reader, levels, level),
+            // What cannot be read is said in the report of the first order.
+            Some(_) => {
+                let first = Reader::open(reader.dir()).ok()?;
+                Mains::whole(&first, &Overview::read(&first, &mut Omissions::default()).ok()?.levels, level)
+            }
+        }?;
         let main = mains.response_at(force);
-        let linear = || reader.order().and_then(|_| linear_response(model, settings, level, omega));
+        let is_linear_known = || reader.order().is_some() && !acts_at_rest(model);
+        let linear = || is_linear_known().then(|| linear_response(model, settings, level, omega)).flatten();
         let amplitude = main.or_else(linear)?;
         Some(Self { omega: force, amplitude, is_of_main: main.is_some() })
     }
@@ -50,26 +66,26 @@ struct Mains {
     harmonic: f64,
 }
 
-/// Those of a level, of the first order, if all of them are known to their ends: else there may be larger responses. What cannot be read is said
-/// in the report of that order.
-fn whole_mains(reader: &Reader, level: f64) -> Option<Mains> {
-    let first = Reader::open(reader.dir()).ok()?;
-    let overview = Overview::read(&first, &mut Omissions::default()).ok()?;
-    let same = overview.levels.iter().find(|other| other.value == level)?;
-    let ends = first.main_outcomes().ok()?;
-    let breaks_off = ends.iter().any(|(amplitude, end)| *amplitude == same.amplitude && end.is_unfinished());
-    let is_whole = same.is_complete() && !breaks_off && same.mains().all(|main| main.at_least().is_empty());
-    let curve = |row| Curve::of(&verified_result(&first, row).ok()?, 0).ok()?;
-    let curves = same.mains().map(curve).collect::<Option<_>>().filter(|_| is_whole)?;
-    Some(Mains { curves, harmonic: first.model().ok()?.forcing_harmonic as f64 })
-}
-
 impl Mains {
+    /// Those of a level, if all of them are known to their ends: else there may be larger responses.
+    fn whole(reader: &Reader, levels: &[Level], level: f64) -> Option<Self> {
+        let level = levels.iter().find(|other| other.value == level)?;
+        let ends = reader.main_outcomes().ok()?;
+        let curve = |row| Curve::of(&verified_result(reader, row).ok()?, 0).ok()?;
+        let curves = level.mains().map(curve).collect::<Option<_>>().filter(|_| level.has_whole_mains(&ends))?;
+        Some(Self { curves, harmonic: reader.model().ok()?.forcing_harmonic as f64 })
+    }
+
     /// Largest amplitude, m, where the force has a frequency, rad/s; `None` where they are not known.
     fn response_at(&self, force: f64) -> Option<f64> {
         let at = |main: &Curve| response_at(&main.omega.values, &main.amplitude.first()?.values, force / self.harmonic);
         self.curves.iter().filter_map(at).max_by(f64::total_cmp)
     }
+}
+
+/// Whether the response to the smallest forces is another one than that of the matrices.
+fn acts_at_rest(model: &Model) -> bool {
+    acting_at_rest(model).next().is_some() || pressed_at_rest(model).next().is_some()
 }
 
 /// Amplitude of the first monitored dof, m, in the linear response at a frequency of the response, rad/s.
@@ -106,7 +122,11 @@ mod tests {
         drop(study.finished(&run));
         let at = || {
             let reader = Reader::open(&run).unwrap();
-            Ordinary::at(&reader, &study.model, &reader.header().unwrap().settings, 0.006, 1.0)
+            {
+                let settings = reader.header().unwrap().settings;
+                let levels = Overview::read(&reader, &mut Omissions::default()).unwrap().levels;
+                Ordinary::at(&reader, &levels, (&study.model, &settings), (0.006, 1.0))
+            }
         };
         let ordinary = at().unwrap();
         assert!(

@@ -26,19 +26,21 @@ fn earliest_of<'e>(births: &[(&'e BackboneCurve, &'e Event)]) -> Option<(&'e Bac
     births.iter().copied().min_by(|(_, a), (_, b)| a.threshold.total_cmp(&b.threshold))
 }
 
-/// The forcing from which on a window is one with what its piece of the backbone begins with.
-fn barrier((backbone, birth): &(&BackboneCurve, &Event)) -> f64 {
+/// Thresholds from where the piece of a birth begins up to it.
+fn before<'b>((backbone, birth): &(&'b BackboneCurve, &Event)) -> &'b [f64] {
     let piece = backbone.pieces.iter().find(|piece| piece.points.contains(&birth.index));
-    let first = piece.map_or(0, |piece| piece.points.start);
-    backbone.threshold.values[first..birth.index].iter().copied().fold(0.0, f64::max)
+    &backbone.threshold.values[piece.map_or(0, |piece| piece.points.start)..birth.index]
+}
+
+/// The forcing from which on a window is one with what its piece of the backbone begins with.
+fn barrier(birth: &(&BackboneCurve, &Event)) -> f64 {
+    before(birth).iter().copied().fold(0.0, f64::max)
 }
 
 /// Where it becomes one with that, if not with where the backbone itself begins.
 fn merge_after(birth: &(&BackboneCurve, &Event)) -> Option<f64> {
-    let (backbone, Event { index, .. }) = birth;
-    let first = backbone.pieces.iter().find(|piece| piece.points.contains(index)).map_or(0, |piece| piece.points.start);
     let merge = barrier(birth);
-    (backbone.threshold.values[first] < merge).then_some(merge)
+    before(birth).first().is_some_and(|first| *first < merge).then_some(merge)
 }
 
 impl Evidence<'_> {
@@ -115,12 +117,10 @@ impl Evidence<'_> {
         let highest = values().fold(0.0, f64::max);
         let above: Vec<_> =
             self.births().filter(|birth| (highest..barrier(birth)).contains(&birth.1.threshold)).collect();
-        let (mode, birth) = earliest_of(&above)?;
-        let merges = above.iter().filter(|(backbone, _)| backbone.mode == mode.mode).map(merge_after);
-        let to = merges.collect::<Option<Vec<f64>>>().map_or_else(
-            || "on".into(),
-            |merges| format!("to {}", told_threshold(merges.into_iter().fold(0.0, f64::max), values())),
-        );
+        let earliest = earliest_of(&above)?;
+        let birth = earliest.1;
+        let told = |forcing: f64| format!("to {}", told_threshold(forcing, values()));
+        let to = merge_after(&earliest).map_or_else(|| "on".into(), told);
         let (from, near) = (told_threshold(birth.threshold, values()), self.frequency(birth.omega));
         Some(format!("from A = {from} {to}, near {near}{}", beyond(self.bounds, birth.omega)))
     }

@@ -3,6 +3,7 @@
 use super::account::CostAccount;
 use super::evidence::{Evidence, OrderFound, Structure};
 use super::fit::fit_windows;
+use super::folded::folded;
 use super::ordinary::Ordinary;
 use super::sentence::Sentence;
 use super::verdict::verdict;
@@ -172,6 +173,7 @@ impl Report {
             further: &further,
             modes: modes.as_ref(),
             mains: &mains,
+            folded: folded(&branches, &overview.levels),
             curves: &curves,
             search: omissions.read("What became of folds is", reader.search_counts()).unwrap_or_default(),
             why_no_folds: why_no_folds(&model, &header.settings),
@@ -186,7 +188,9 @@ impl Report {
             asked: orders(&model, &header.settings.search),
             orders: further_orders(reader, &mut omissions),
             is_further: reader.order().is_some(),
-            ordinary: Box::new(|level, omega| Ordinary::at(reader, &model, &header.settings, level, omega)),
+            ordinary: Box::new(|level, omega| {
+                Ordinary::at(reader, &overview.levels, (&model, &header.settings), (level, omega))
+            }),
             units: units.or(UnitChoice::of_study(&header.study)).of_table(),
             length_unit: units.or(UnitChoice::of_study(&header.study)).length,
         };

@@ -48,7 +48,9 @@ impl Evidence<'_> {
             return String::new();
         }
         match known.largest {
-            Some((omega, size)) if size > (1.0 - TOLD) * isola.amplitude_max => {
+            Some((omega, size))
+                if size > (1.0 - TOLD) * isola.amplitude_max && (omega / isola.omega_at_max - 1.0).abs() < TOLD =>
+            {
                 format!(" (unstable there; found stable beside it, at {})", self.frequency(omega))
             }
             Some((omega, size)) => {
@@ -78,8 +80,15 @@ impl Evidence<'_> {
     /// The push of least energy that leads to an isola, if pushes were marched: which isola that is, and at which frequency.
     fn what_leads_there(&self) -> Option<String> {
         let Some(push) = least_energy(self.pushes) else {
-            return (!self.pushes.is_empty())
-                .then(|| "No push that leads to an isola was found among those tried; others may.".into());
+            let mut untried: Vec<&str> = self.pushes.iter().filter_map(|push| push.reason.as_deref()).collect();
+            untried.sort_unstable();
+            untried.dedup();
+            let is_any_tried = self.pushes.iter().any(|push| push.reason.is_none());
+            return match is_any_tried {
+                true => Some("No push that leads to an isola was found among those tried; others may.".into()),
+                false if untried.is_empty() => None,
+                false => Some(format!("No push onto an isola was tried: {}.", untried.join("; "))),
+            };
         };
         Some(format!(
             "Of the pushes looked for, one frequency an isola, the one found with least energy to lead to an \

@@ -6,6 +6,7 @@
 mod tests;
 
 use super::evidence::{Evidence, OrderFound};
+use super::folded::folded_sentence;
 use super::losses::{losses, named, unknown_beyond};
 use super::predictions::{NOTHING, WINDOWS_ALONE};
 use super::ranges::{in_words, joined, over, runs};
@@ -121,10 +122,7 @@ impl<'r> Evidence<'r> {
 
     /// Whether the main branches of a level are known to their ends.
     pub(super) fn has_whole_main(&self, level: &Level) -> bool {
-        let ends = || self.mains.iter().filter(|(amplitude, _)| *amplitude == level.amplitude);
-        level.is_complete()
-            && level.mains().all(|main| main.at_least().is_empty())
-            && !ends().any(|(_, outcome)| outcome.is_unfinished())
+        level.has_whole_mains(self.mains)
     }
 
     /// The highest point over all branches of all levels.
@@ -225,6 +223,7 @@ impl<'r> Evidence<'r> {
         list.extend(self.largest().map(|(_, largest)| self.stability_of_peak(largest)));
         list.extend(self.largest_stable());
         list.extend(self.unstable_peak());
+        list.extend(folded_sentence(&self.folded, self.units.frequency));
         list.extend(motions::brief(self.motions, self.units, self.is_further));
         let is_untouched = self.structure.stops > 0 && is_untouched(self.levels);
         list.extend(is_untouched.then(|| UNTOUCHED.into()));
@@ -304,7 +303,9 @@ impl<'r> Evidence<'r> {
             None => format!(" {}", events.sentence()),
         });
         if self.has_nothing() {
-            let above = self.predicted_above();
+            // What it predicts at the levels and was not found is among the details.
+            let is_missed = self.levels.iter().any(|level| level.not_found().chain(level.passed()).next().is_some());
+            let above = self.predicted_above().filter(|_| !is_missed);
             let above = above.map_or_else(String::new, |above| format!("; the energy balance predicts one {above}"));
             return format!("{NOTHING} (see the first answer){above}.{computed}");
         }

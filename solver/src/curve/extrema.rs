@@ -51,17 +51,15 @@ pub fn further_peaks(values: &[f64]) -> Vec<usize> {
 pub fn standing_peaks(values: &[f64]) -> Vec<usize> {
     let logs: Vec<f64> = values.iter().map(|value| value.ln()).collect();
     let falls = |i: usize, side: &[f64]| side.iter().any(|value| RISE * value < values[i]);
-    // Where a curve ends on a flank it would fall on.
-    let ends = |i: usize, outwards: &[f64]| {
-        outwards.is_sorted_by(|a, b| a >= b) && outwards.last().is_some_and(|end| FLANK * end < values[i])
-    };
     let turns = turning_points(&logs, RISE.ln()).into_iter().filter(|(_, is_peak)| *is_peak).map(|(i, _)| i);
     let stands = |&i: &usize| {
-        let (before, after) = (values[..i].iter().rev().copied().collect::<Vec<f64>>(), &values[i + 1..]);
-        match (falls(i, &before), falls(i, after)) {
+        let (before, after) = (&values[..i], &values[i + 1..]);
+        // Where a curve ends on a flank it would fall on.
+        let ends = |is_flank: bool, end: Option<&f64>| is_flank && end.is_some_and(|end| FLANK * end < values[i]);
+        match (falls(i, before), falls(i, after)) {
             (true, true) => true,
-            (true, false) => ends(i, after),
-            (false, true) => ends(i, &before),
+            (true, false) => ends(after.is_sorted_by(|a, b| a >= b), after.last()),
+            (false, true) => ends(before.is_sorted(), before.first()),
             (false, false) => false,
         }
     };

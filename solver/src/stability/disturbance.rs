@@ -95,7 +95,7 @@ pub enum Unpushed {
 impl std::fmt::Display for Unpushed {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.write_str(match self {
-            Self::NoMain => "no other stable motion is known at this frequency: neither has a main branch one that was followed so far, nor does the motion from rest settle on one",
+            Self::NoMain => "no other stable motion is known at this frequency: no main branch that was followed to there has one, nor does the motion from rest settle on one",
             Self::NoTarget => "no stable motion on the branch at this frequency",
             Self::Failed => "the motion could not be marched",
         })

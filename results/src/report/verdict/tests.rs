@@ -75,6 +75,7 @@ fn told<'r>(levels: &'r [Level], change: impl FnOnce(&mut Evidence<'r>)) -> [Str
         further: &[],
         modes: None,
         mains: &[],
+        folded: Vec::new(),
         curves: &[],
         search: SearchCounts::default(),
         motions: &[],

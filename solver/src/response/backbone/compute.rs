@@ -32,7 +32,7 @@ const SPAN: f64 = 4.0;
 /// How many times as far it is followed again where that is not far enough for the forcing, and how often.
 const FARTHER: (f64, usize) = (4.0, 5);
 
-/// Share of the farthest amplitude beyond which it has been followed as far as it ever is.
+/// Share of the farthest amplitude, or frequency, beyond which it has been followed as far as it ever is.
 const NEARLY: f64 = 0.99;
 
 /// It is far enough once its threshold is this many times the forcing.
@@ -259,8 +259,10 @@ impl Backbone {
     /// Whether it ends where it does for want of forcing: of levels up to `forcing` a sweep follows it farther from the first.
     pub fn falls_short(&self, model: &Model, settings: &Settings, forcing: f64) -> bool {
         let (farther, times) = FARTHER;
-        let farthest = farther.powi(times as i32) * FOLLOWED * Scales::new(model, self.mode).length;
-        !self.is_enough(model, settings, forcing) && self.max_amplitude() < NEARLY * farthest
+        let (scales, most) = (Scales::new(model, self.mode), farther.powi(times as i32));
+        let is_far = self.max_amplitude() > NEARLY * most * FOLLOWED * scales.length
+            || self.frequency_range().1 > NEARLY * most * SPAN * scales.frequency;
+        !self.is_enough(model, settings, forcing) && !is_far
     }
 
     /// Whether no piece ends at a bound that may be moved where its threshold is not beyond a forcing amplitude. At low frequencies the

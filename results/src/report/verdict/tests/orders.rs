@@ -15,9 +15,9 @@ fn beside_the_main_branch_under_the_same_force() {
     let all = "All of it: ordinary continuation follows motions of a shorter period.";
     assert_eq!(missed(None), all);
     for (amplitude, is_of_main, compared) in [
-        (1e-4, true, "20 times the 0.1 mm of the main branch"),
-        (1.6e-3, true, "25 % more than the 1.6 mm of the main branch"),
-        (4e-3, false, "50 % less than the 4 mm of the linear response"),
+        (1e-4, true, "20 times the 0.1 mm or so of the main branch"),
+        (1.6e-3, true, "25 % more than the 1.6 mm or so of the main branch"),
+        (4e-3, false, "50 % less than the 4 mm or so of the linear response"),
     ] {
         let said = missed(Some(Ordinary { omega: 260.0, amplitude, is_of_main }));
         let where_it_is = "an isola goes up to 2 mm at 130 rad/s (20.69 Hz)";
@@ -36,16 +36,16 @@ fn what_the_main_branch_has_where_the_isola_is() {
         missed
     };
     let said = missed(main(4e-3), Some(1e-3));
-    assert!(said.ends_with("50 % less. At 130 rad/s (20.69 Hz) the main branch has 1 mm."), "{said}");
+    assert!(said.ends_with("50 % less. At 130 rad/s (20.69 Hz) the main branch reaches about 1 mm."), "{said}");
     let bound = |said: &str, how: &str| {
         let told =
-            format!("50 % less. The main branch was not followed to that frequency (at {how} has it followed there).");
+            format!("50 % less. The main branch was not followed to that frequency (at {how} follows it farther).");
         assert!(said.ends_with(&told), "{said}");
     };
-    bound(&missed(main(4e-3), None), "100 rad/s (15.92 Hz) it ends, a higher frequency.max");
+    bound(&missed(main(4e-3), None), "100 rad/s (15.92 Hz) it ends; a higher frequency.max");
     bound(
         &missed(branch("main", 1, (140.0, 150.0), 4e-3), None),
-        "140 rad/s (22.28 Hz) it begins, a lower frequency.min",
+        "140 rad/s (22.28 Hz) it begins; a lower frequency.min",
     );
     // Known in part it may be what ends too early; and there is no telling where it has a gap.
     let said = missed(at_least(main(4e-3)), None);

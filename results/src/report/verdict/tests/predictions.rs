@@ -181,12 +181,12 @@ fn windows_that_no_level_sees_apart_are_told() {
     };
     let nothing = |forcing| [Level { is_without_mains: true, ..level(forcing, Vec::new()) }];
     let said = of(&[level(0.001, vec![main(1e-3)])], false);
-    let none = " predicts no separate response at the levels and frequencies of the run, but one from A = 0.003 to 0.01, near ";
+    let none = " predicts no separate response at the levels and frequencies of the run, but one from A = 0.003 to 0.0055, near ";
     assert!(said.contains(none), "{said}");
     let said = of(&nothing(0.001), true);
     assert!(
         said.starts_with(&format!(
-            "{NOTHING} (see the first answer); the energy balance predicts one from A = 0.003 to 0.01, near "
+            "{NOTHING} (see the first answer); the energy balance predicts one from A = 0.003 to 0.0055, near "
         )),
         "{said}"
     );

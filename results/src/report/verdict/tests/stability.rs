@@ -151,6 +151,9 @@ fn the_push_of_least_energy_is_told_with_its_isola() {
     let none = [PushRow { impulse: None, velocity: None, ..push("1", 0, 0.4, 0.4) }];
     let [danger, ..] = told(&levels, |evidence| evidence.pushes = &none);
     assert!(danger.contains("No push that leads to an isola was found among those tried; others may."), "{danger}");
+    let untried = [PushRow { reason: Some("nothing lasts there".into()), ..none[0].clone() }];
+    let [danger, ..] = told(&levels, |evidence| evidence.pushes = &untried);
+    assert!(danger.contains(" No push onto an isola was tried: nothing lasts there."), "{danger}");
 }
 
 #[test]
