@@ -174,15 +174,9 @@ pub(super) fn losses(evidence: &Evidence<'_>) -> Vec<Loss> {
 
 /// Where main branches do not start, and why.
 fn without_mains(levels: &[Level]) -> Vec<Loss> {
-    let mut all: Vec<(bool, &str, Vec<&Level>)> = Vec::new();
-    for (level, reason) in levels.iter().filter_map(|level| Some((level, level.main_failure.as_deref()?))) {
-        let has_main = level.main().is_some();
-        match all.iter_mut().find(|(other, why, _)| (*other, *why) == (has_main, reason)) {
-            Some((.., levels)) => levels.push(level),
-            None => all.push((has_main, reason, vec![level])),
-        }
-    }
-    let loss = |(has_main, reason, levels): (bool, &str, Vec<&Level>)| {
+    let failed =
+        levels.iter().filter_map(|level| Some(((level.main().is_some(), level.main_failure.as_deref()?), level)));
+    let loss = |((has_main, reason), levels): ((bool, &str), Vec<&Level>)| {
         let at = named(&levels);
         match has_main {
             false => {
@@ -194,23 +188,29 @@ fn without_mains(levels: &[Level]) -> Vec<Loss> {
             ),
         }
     };
-    all.into_iter().map(loss).collect()
+    by_reason(failed).into_iter().map(loss).collect()
 }
 
 /// Why main branches are not followed to their ends, with the levels of which that is so.
 fn unfinished_mains<'r>(evidence: &Evidence<'r>) -> Vec<(String, Vec<&'r Level>)> {
-    let mut all: Vec<(String, Vec<&Level>)> = Vec::new();
-    for (amplitude, outcome) in evidence.mains.iter().filter(|(_, outcome)| outcome.is_unfinished()) {
-        let Some(level) = evidence.levels.iter().find(|level| level.amplitude == *amplitude) else { continue };
-        let why = stopped(outcome).unwrap_or_else(|| outcome.to_string());
-        match all.iter_mut().find(|(other, _)| *other == why) {
-            // A level may have two main branches that end alike.
+    let unfinished = evidence.mains.iter().filter(|(_, outcome)| outcome.is_unfinished());
+    by_reason(unfinished.filter_map(|(amplitude, outcome)| {
+        let level = evidence.levels.iter().find(|level| level.amplitude == *amplitude)?;
+        Some((stopped(outcome).unwrap_or_else(|| outcome.to_string()), level))
+    }))
+}
+
+/// Levels of one reason together, each once: one may have two main branches that end alike.
+fn by_reason<'r, R: PartialEq>(all: impl Iterator<Item = (R, &'r Level)>) -> Vec<(R, Vec<&'r Level>)> {
+    let mut groups: Vec<(R, Vec<&Level>)> = Vec::new();
+    for (reason, level) in all {
+        match groups.iter_mut().find(|(other, _)| *other == reason) {
             Some((_, levels)) if levels.iter().any(|other| std::ptr::eq(*other, level)) => {}
             Some((_, levels)) => levels.push(level),
-            None => all.push((why, vec![level])),
+            None => groups.push((reason, vec![level])),
         }
     }
-    all
+    groups
 }
 
 /// What happens along fold curves of which it is not known what it is: among the levels, and beyond them.

@@ -103,6 +103,14 @@ fn texts(levels: &[Level]) -> [String; 3] {
     told(levels, |_| {})
 }
 
+/// What several levels lack for one reason is told once.
+#[test]
+fn sides_without_a_start() {
+    let failed = |value| Level { main_failure: Some("it turned back".into()), ..level(value, vec![main(1e-3)]) };
+    let [danger, ..] = texts(&[failed(1.0), failed(2.0)]);
+    assert!(danger.contains(" At A = 1, 2 no main branch starts at one of the two sides: it turned back."), "{danger}");
+}
+
 /// What is lost is told in sentences.
 #[test]
 fn losses_begin_as_sentences_do() {
