@@ -86,6 +86,19 @@ fn amplitudes_are_compared_in_their_order() {
     );
 }
 
+/// Two isolas that share no frequency are not said to differ by so many per cent.
+#[test]
+fn isolas_at_other_frequencies() {
+    let moved = read(&Study::damper(), |report| {
+        let branches = report.overview.levels.iter_mut().flat_map(|level| &mut level.branches);
+        branches.filter(|branch| branch.is_isola()).for_each(|isola| isola.omega = (2.0, 2.1));
+    });
+    let compared = Comparison::new(vec![("one".into(), read(&Study::damper(), |_| {})), ("other".into(), moved)]);
+    let row = compared.numbers.iter().find(|row| row.what == "highest isola, peak").unwrap();
+    let second = row.values[1].read_in(FrequencyUnit::default());
+    assert!(second.ends_with(" rad/s (at other frequencies: it may be another isola)"), "{second}");
+}
+
 #[test]
 fn numbers_differ_by_what_they_do() {
     let compared = compared();
