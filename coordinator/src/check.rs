@@ -108,17 +108,18 @@ fn orders(study: &Study) -> Vec<String> {
             [] => "no eigenfrequency there".to_string(),
             own => format!("eigenfrequencies there: {}", words::modes(own)),
         };
-        let (number, count_of_all) = (order.number(), study.settings.harmonics.count);
+        let number = order.number();
         let periods = count(number, "period");
-        let harmonics = if number > 1 {
-            let own = count_of_all / number;
-            format!(
-                "; of its {} {own} {} of the force",
-                count(count_of_all, "harmonic"),
-                if own == 1 { "is" } else { "are" }
-            )
-        } else {
-            String::new()
+        let harmonics = match number {
+            1 => String::new(),
+            _ => {
+                let (all, own) = (study.settings.harmonics.count, of_the_force(study, number));
+                format!(
+                    "; of its {} {own} {} of the force",
+                    count(all, "harmonic"),
+                    if own == 1 { "is" } else { "are" }
+                )
+            }
         };
         format!("{number}: motions that last {periods} of the force, {between}; {modes}{harmonics}")
     });
@@ -159,12 +160,16 @@ pub fn notes_of_sweep(study: &Study) -> Vec<String> {
         .collect()
 }
 
+/// How many harmonics of motions of an order are harmonics of the force.
+fn of_the_force(study: &Study, order: usize) -> usize {
+    study.settings.harmonics.count / order
+}
+
 /// That motions of the highest order that is looked for have few harmonics of the force: a sentence.
 fn few_harmonics(study: &Study) -> Option<String> {
     let orders = Orders::of(&study.model, &study.settings);
     let longest = orders.iter().map(Order::number).max().filter(|order| *order > 1)?;
-    let all = study.settings.harmonics.count;
-    let own = all / longest;
+    let (all, own) = (study.settings.harmonics.count, of_the_force(study, longest));
     (own < FEW).then(|| {
         format!(
             "harmonics.count = {all}, of which motions that last {longest} periods of the force have {own} of the force: some may be \

@@ -164,6 +164,7 @@ impl Report {
         let pushes = omissions.read("The list of pushes is", reader.pushes()).unwrap_or_default();
         let turned = omissions.read("The list of motions is", reader.motions()).unwrap_or_default();
         let damaged = omissions.damaged.len();
+        let told_in = units.or(UnitChoice::of_study(&header.study));
         let evidence = Evidence {
             damaged,
             motions: &turned,
@@ -191,8 +192,8 @@ impl Report {
             ordinary: Box::new(|level, omega| {
                 Ordinary::at(reader, &overview.levels, (&model, &header.settings), (level, omega))
             }),
-            units: units.or(UnitChoice::of_study(&header.study)).of_table(),
-            length_unit: units.or(UnitChoice::of_study(&header.study)).length,
+            units: told_in.of_table(),
+            length_unit: told_in.length,
         };
         let (answers, asked) = (verdict(&evidence), evidence.asked.clone());
         drop(evidence);

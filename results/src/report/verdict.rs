@@ -44,6 +44,7 @@ pub fn verdict(evidence: &Evidence<'_>) -> [Sentence; 3] {
     };
     let lost = |lost: &Option<String>| lost.clone().filter(|_| !is_grave);
     let is_known = evidence.largest().is_some() || evidence.has_nothing();
+    let events = evidence.events();
     let further = |details: Vec<String>| if is_known { details } else { Vec::new() };
     [
         Sentence {
@@ -57,9 +58,9 @@ pub fn verdict(evidence: &Evidence<'_>) -> [Sentence; 3] {
         Sentence {
             title: "From which forcing on?",
             lead: lead(&brief, others.clone()),
-            text: evidence.onset(),
+            text: evidence.onset(events.as_ref()),
             lost: lost(&brief),
-            details: further(evidence.over_the_forcing()),
+            details: further(evidence.over_the_forcing(events.as_ref())),
             reach: None,
         },
         Sentence {
@@ -247,8 +248,8 @@ impl<'r> Evidence<'r> {
     }
 
     /// What many isolas do along fold curves, how the frequency of the largest response goes, and what the energy balance predicts between the levels.
-    fn over_the_forcing(&self) -> Vec<String> {
-        let computed = self.events().and_then(|events| Some(events.sentences()?.1)).unwrap_or_default();
+    fn over_the_forcing(&self, events: Option<&Events>) -> Vec<String> {
+        let computed = events.and_then(|events| Some(events.sentences()?.1)).unwrap_or_default();
         let shift = shift_sentence(self.levels, |omega| self.frequency(omega));
         computed.into_iter().chain(shift).chain(self.predicted_events()).collect()
     }
@@ -297,8 +298,8 @@ impl<'r> Evidence<'r> {
         (branches > 0).then_some((list, sentence))
     }
 
-    fn onset(&self) -> String {
-        let computed = self.events().map_or_else(String::new, |events| match events.sentences() {
+    fn onset(&self, events: Option<&Events>) -> String {
+        let computed = events.map_or_else(String::new, |events| match events.sentences() {
             Some((below, _)) => format!(" {below}"),
             None => format!(" {}", events.sentence()),
         });
