@@ -92,7 +92,7 @@ Examples:
   isola disturb runs/NAME --modes 1
 
 Of each push it is said how strong it is, and when it comes: so much of a period of the motion after an instant at which the
-force (not the response) is largest.")]
+force (not the response) is largest. Also where the motion ends, at the same frequency, when the force is switched on at rest.")]
     Disturb(DisturbArgs),
     /// Say how a run is doing (also one that is not running).
     #[command(after_help = "Examples:\n  isola status runs/NAME\n  isola status --connect tcp/HOST:7447 --json")]

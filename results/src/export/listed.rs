@@ -7,6 +7,7 @@ use crate::store::{BifurcationRow, CurveRow, MotionRow, PushRow, Reader};
 use protocol::backbone::BackboneMessage;
 use protocol::curve::Size;
 use solver::response::windows::{Event, EventKind};
+use solver::stability::endings::Ending;
 
 /// All lists of a run: fold curves, births and merges, bifurcations, what unstable motions turn into, and pushes. Notes what cannot
 /// be read; `backbones`: those that there are, `monitors`: names of the monitored dofs.
@@ -176,6 +177,7 @@ pub(super) fn pushes(rows: &[PushRow], level: impl Fn(&str) -> f64, monitors: &[
         .optional_numbers("phase", |row| row.phase)
         .flags("confirmed", |row| row.confirmed)
         .optional_numbers("energy", PushRow::energy)
+        .texts("from_rest", |row| row.from_rest.map_or("", Ending::name))
         .numbers("value", |row| level(&row.forcing))
         .without_text()
         .texts("reason", |row| row.reason.as_deref().unwrap_or_default())

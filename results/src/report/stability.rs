@@ -37,7 +37,10 @@ impl Evidence<'_> {
                 )]
             }
             None => vec![format!("{found}; what leads there was not looked for (isola disturb does).")],
-            Some(push) => vec![format!("{found}."), push],
+            Some(push) => {
+                let from_rest = pushes::switched_on(self.pushes, self.units);
+                [Some(format!("{found}.")), Some(push), from_rest].into_iter().flatten().collect()
+            }
         }
     }
 

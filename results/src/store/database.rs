@@ -10,7 +10,7 @@ use std::time::Duration;
 /// Marks files of this program: "ISOL".
 pub(super) const APPLICATION: i64 = 0x4953_4F4C;
 /// Version of the schema. Earlier ones are read; runs of theirs do not go on.
-pub(super) const VERSION: i64 = 12;
+pub(super) const VERSION: i64 = 13;
 /// The first one: `branches` ends with the range of contact, branches that are not main ones are all called isolas. The second
 /// one knows the backbone of one mode, and no fold curves. The third one has no verifications. The
 /// fifth one keeps no steps of tasks under way, and no ranges with twice the harmonics. The sixth one lists no branches that branch off

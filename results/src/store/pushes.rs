@@ -10,10 +10,12 @@ use rusqlite::{Connection, Row, params};
 use serde::Serialize;
 use solver::response::task::{BranchId, DisturbPlace, Task};
 use solver::stability::disturbance::Disturbance;
+use solver::stability::endings::Ending;
 use std::path::Path;
 
-/// First version of the schema that has pushes.
+/// First version of the schema that has pushes, and the first one that has where motions from rest end.
 const SINCE: i64 = 4;
+const FROM_REST_SINCE: i64 = 13;
 
 /// Pushes in one mode from the main motion of a level, and which of them is the smallest found that ends on a branch.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -44,6 +46,8 @@ pub struct PushRow {
     pub confirmed: Option<bool>,
     /// Why nothing was scanned.
     pub reason: Option<String>,
+    /// Where the motion ends that begins when the forcing is switched on at rest; not known without either motion.
+    pub from_rest: Option<Ending>,
 }
 
 impl PushRow {
@@ -73,7 +77,8 @@ pub(super) fn insert_push(
     let impulse = |size: f64| (found.shape > 0.0).then(|| size / found.shape);
     let push = found.push.as_ref();
     let sql = "INSERT INTO pushes (task, branch, mode, omega, monitor, motions, largest, impulse, below, velocity, phase, \
-               confirmed, reason) VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13)";
+               confirmed, reason, from_rest) \
+               VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14)";
     let row = params![
         task.as_str(),
         branch,
@@ -88,6 +93,7 @@ pub(super) fn insert_push(
         push.map(|push| push.phase as f64 / found.phases as f64),
         push.map(|push| push.is_confirmed),
         found.reason.map(|reason| reason.to_string()),
+        found.from_rest.map(Ending::name),
     ];
     db.prepare_cached(sql).at(file)?.execute(row).at(file).map(|_| ())
 }
@@ -132,13 +138,18 @@ impl Reader {
 
     /// What pushes do, level by level in the order of the study, branch by branch and mode by mode.
     pub fn pushes(&self) -> Result<Vec<PushRow>> {
-        if self.version()? < SINCE {
-            return Ok(Vec::new());
-        }
-        let sql = "SELECT branches.amplitude, branches.kind, branches.number, mode, omega, monitor, motions, largest, impulse, \
-                   below, velocity, phase, confirmed, reason FROM pushes JOIN branches ON branches.id = branch \
-                   ORDER BY level, branches.id, mode";
-        let rows = self.all(sql, [], |row| {
+        let from_rest = match self.version()? {
+            ..SINCE => return Ok(Vec::new()),
+            SINCE..FROM_REST_SINCE => "NULL",
+            _ => "from_rest",
+        };
+        let sql = format!(
+            "SELECT branches.amplitude, branches.kind, branches.number, mode, omega, monitor, motions, largest, impulse, \
+             below, velocity, phase, confirmed, reason, {from_rest} FROM pushes JOIN branches ON branches.id = branch \
+             ORDER BY level, branches.id, mode"
+        );
+        let rows = self.all(&sql, [], |row| {
+            let ending: Option<String> = row.get(14)?;
             let (kind, number): (String, usize) = (row.get(1)?, row.get(2)?);
             let push = PushRow {
                 forcing: row.get(0)?,
@@ -154,6 +165,7 @@ impl Reader {
                 phase: row.get(11)?,
                 confirmed: row.get(12)?,
                 reason: row.get(13)?,
+                from_rest: ending.and_then(|name| Ending::named(&name)),
             };
             Ok((kind, number, push))
         })?;

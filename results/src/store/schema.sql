@@ -437,7 +437,10 @@ CREATE TABLE pushes (
     -- 1 if both were marched until they were beyond doubt where they end.
     confirmed INTEGER,
     -- Why nothing was scanned, in words.
-    reason TEXT
+    reason TEXT,
+    -- Where the motion ends that begins when the forcing is switched on at rest: 'onto' the branch, 'back' on the motion that pushes
+    -- begin from, 'elsewhere'; NULL if neither motion is known.
+    from_rest TEXT
 ) WITHOUT ROWID;
 
 -- What unstable motions of branches turn into, by time marching.

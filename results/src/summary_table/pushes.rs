@@ -4,8 +4,9 @@ use super::Units;
 use crate::overview::Level;
 use crate::store::{BranchRow, PushRow, least_energy};
 use crate::words::{digits, listed};
+use solver::stability::endings::Ending;
 
-/// Branches that are named of those that are not pushed onto.
+/// Branches that are named of a long list.
 const NAMED: usize = 4;
 
 /// Digits of energies, impulses and velocities: they are bisected to 1 %.
@@ -16,9 +17,8 @@ const START: &str = "from the stable motion of the main branch or, where it has 
 
 /// What is known of every isola that was pushed onto, alike ones in one sentence; `monitors`: names of the monitored dofs.
 pub(crate) fn sentences(pushes: &[PushRow], monitors: &[String], units: Units) -> Vec<String> {
-    let of_one = |a: &PushRow, b: &PushRow| a.forcing == b.forcing && a.branch == b.branch;
     let (mut found, mut unfound, mut untried) = (Vec::new(), Vec::new(), Vec::new());
-    for rows in pushes.chunk_by(of_one) {
+    for rows in pushes.chunk_by(is_of_one) {
         let onto = place(&rows[0], units);
         match (least_energy(rows), rows.iter().find_map(|row| row.reason.as_deref())) {
             (Some(least), _) => found.push((rows, least, onto)),
@@ -26,7 +26,41 @@ pub(crate) fn sentences(pushes: &[PushRow], monitors: &[String], units: Units) -
             (None, None) => unfound.push((rows, onto)),
         }
     }
-    [smallest(&found, monitors), none(&unfound, monitors)].into_iter().flatten().chain(untried).collect()
+    let pushed = [smallest(&found, monitors), none(&unfound, monitors)].into_iter().flatten().chain(untried);
+    pushed.chain(switched_on(pushes, units)).collect()
+}
+
+/// Where the motion ends that begins when the force is switched on at rest.
+pub(crate) fn switched_on(pushes: &[PushRow], units: Units) -> Option<String> {
+    let rows = pushes.chunk_by(is_of_one).filter_map(|rows| rows.iter().find(|row| row.from_rest.is_some()));
+    let rows: Vec<&PushRow> = rows.collect();
+    let ending = |ending: Ending| {
+        let places = rows.iter().filter(|row| row.from_rest == Some(ending)).map(|row| place(row, units));
+        some_of(&places.collect::<Vec<_>>())
+    };
+    let onto = ending(Ending::Onto).map(|places| format!("leads onto {places} without a push"));
+    let back = ending(Ending::Back)
+        .map(|places| format!("does not lead onto {places}, but to the motion that pushes begin from"));
+    let elsewhere = ending(Ending::Elsewhere)
+        .map(|places| format!("was seen to lead neither onto {places} nor to the motion that pushes begin from"));
+    let all: Vec<String> = [onto, back, elsewhere].into_iter().flatten().collect();
+    let (first, rest) = all.split_first()?;
+    let rest: String = rest.iter().map(|what| format!("; it {what}")).collect();
+    Some(format!("The force switched on at rest (at once, where it is largest) {first}{rest}."))
+}
+
+/// Whether two rows are of pushes onto one branch.
+fn is_of_one(a: &PushRow, b: &PushRow) -> bool {
+    a.forcing == b.forcing && a.branch == b.branch
+}
+
+/// The names of a list, of a long one the first few.
+fn some_of(names: &[String]) -> Option<String> {
+    match names {
+        [] => None,
+        few if few.len() <= NAMED => Some(listed(few)),
+        many => Some(format!("{} and {} more", many[..NAMED].join(", "), many.len() - NAMED)),
+    }
 }
 
 /// Other detached branches that are stable in parts: only isolas are pushed onto.
@@ -36,11 +70,7 @@ pub(crate) fn not_pushed_onto(levels: &[Level]) -> Option<String> {
     let name = |level: &Level, row: &BranchRow| format!("{} at A = {}", row.name(), level.amplitude);
     let others: Vec<String> =
         levels.iter().flat_map(|level| level.others().filter(is_stable).map(move |row| name(level, row))).collect();
-    let named = match &others[..] {
-        [] => return None,
-        few if few.len() <= NAMED => listed(few),
-        many => format!("{} and {} more", many[..NAMED].join(", "), many.len() - NAMED),
-    };
+    let named = some_of(&others)?;
     let are = if others.len() == 1 { "which is" } else { "which are" };
     Some(format!("No push was tried onto {named}, {are} stable in parts too: only isolas are pushed onto."))
 }
@@ -136,6 +166,7 @@ mod tests {
             phase: impulse.map(|_| 0.25),
             confirmed: impulse.map(|_| true),
             reason: reason.map(String::from),
+            from_rest: None,
         }
     }
 
@@ -172,6 +203,30 @@ mod tests {
             "No push was found that ends on isola 1 at A = 60 and 2665.46 rad/s (mode 1 up to 9 N s at tip; 192 pushed motions were marched) \
              and isola 1 at A = 80 and 2665.46 rad/s (mode 1 up to 9 N s at tip; 192 pushed motions were marched). Others may."
         );
+    }
+
+    #[test]
+    fn where_rest_leads_is_told_once_an_isola() {
+        let ends = |forcing: &str, mode, from_rest| PushRow {
+            forcing: forcing.into(),
+            from_rest: Some(from_rest),
+            ..row(mode, None, Some("why"))
+        };
+        let said = |rows: &[PushRow]| switched_on(rows, Units::default()).unwrap_or_default();
+        assert_eq!(said(&[row(1, Some(4.66), None)]), "");
+        assert_eq!(
+            said(&[ends("60", 1, Ending::Onto), ends("60", 2, Ending::Onto)]),
+            "The force switched on at rest (at once, where it is largest) leads onto isola 1 at A = 60 and 2665.46 rad/s without a push."
+        );
+        assert_eq!(
+            said(&[ends("60", 1, Ending::Back), ends("80", 1, Ending::Onto), ends("90", 1, Ending::Elsewhere)]),
+            "The force switched on at rest (at once, where it is largest) leads onto isola 1 at A = 80 and 2665.46 rad/s without a push; it \
+             does not lead onto isola 1 at A = 60 and 2665.46 rad/s, but to the motion that pushes begin from; it was seen to lead \
+             neither onto isola 1 at A = 90 and 2665.46 rad/s nor to the motion that pushes begin from."
+        );
+        let many: Vec<_> = (1..7).map(|i| ends(&i.to_string(), 1, Ending::Back)).collect();
+        assert!(said(&many).contains(" isola 1 at A = 4 and 2665.46 rad/s and 2 more, but to"), "{}", said(&many));
+        assert!(told(&many[..1]).ends_with("was tried: why. The force switched on at rest (at once, where it is largest) does not lead onto isola 1 at A = 1 and 2665.46 rad/s, but to the motion that pushes begin from."));
     }
 
     #[test]

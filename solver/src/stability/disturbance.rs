@@ -6,6 +6,7 @@
 //! branch, and once more in finer steps and farther if none does; between it and the size before the first change is bisected. Boundaries of basins need not be simple: a smaller push
 //! between sizes that were scanned may do the same.
 
+use super::endings::{Ending, Ends, NEAR, SURE};
 use super::multipliers::Verdict;
 use super::nearby::{distance, images, orbits, walk_to};
 use super::polish::Polished;
@@ -41,28 +42,10 @@ impl Default for DisturbSettings {
     }
 }
 
-/// A motion has ended on an orbit within this share of the distance of the two orbits: they are stable, and what is as near is
-/// drawn in.
-const NEAR: f64 = 0.05;
-/// The same of the motions that the result rests on, which may take so many times as long.
-const SURE: f64 = 0.005;
-const PATIENCE: usize = 4;
 /// The largest push of a finer scan over that of the first one.
 const FARTHER: f64 = 2.0;
 /// Newton iterations from where a motion from rest has come to.
 const ITERATIONS: usize = 12;
-
-/// Where a pushed motion ends.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Ending {
-    /// On the main motion again.
-    Back,
-    /// On the branch.
-    Onto,
-    /// On neither within [`DisturbSettings::periods`], or it could not be marched.
-    Elsewhere,
-}
 
 /// The smallest push found.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -95,7 +78,7 @@ pub enum Unpushed {
 impl std::fmt::Display for Unpushed {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.write_str(match self {
-            Self::NoMain => "no other stable motion is known at this frequency: no main branch that was followed to there has one, nor does the motion from rest settle on one",
+            Self::NoMain => "no other stable motion is known at this frequency: no main branch that was followed to there has one, nor does the motion from rest settle on another",
             Self::NoTarget => "no stable motion on the branch at this frequency",
             Self::Failed => "the motion could not be marched",
         })
@@ -126,6 +109,10 @@ pub struct Disturbance {
     pub push: Option<Push>,
     /// Why none was scanned.
     pub reason: Option<Unpushed>,
+    /// Where the motion ends that the forcing brings about when it is switched on at rest, at once and where it is largest; marched
+    /// until it is beyond doubt. Not known without either orbit, nor of results of earlier programs.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub from_rest: Option<Ending>,
 }
 
 impl Disturbance {
@@ -192,16 +179,7 @@ pub fn disturb(
     place: &DisturbPlace,
     observer: &mut PushObserver<'_>,
 ) -> Option<Disturbance> {
-    let stable = |branch: &Branch| {
-        let found = orbits(model, branch, place.omega).into_iter();
-        found.filter(|(verdict, _)| *verdict == Verdict::Stable).map(|(_, polished)| polished)
-    };
-    let height = |polished: &Polished| polished.amplitudes[0];
-    let of = |polished: Polished| (polished.orbit, polished.amplitudes);
-    let main = mains.iter().flat_map(|main| stable(main)).min_by(|a, b| height(a).total_cmp(&height(b)));
-    let target = stable(branch).max_by(|a, b| height(a).total_cmp(&height(b))).map(of);
-    let main = main.map(of).or_else(|| from_rest(model, branch.forcing, place.omega, settings.periods));
-    let main = main.filter(|(main, _)| target.as_ref().is_none_or(|(target, _)| are_apart(model, main, target)));
+    let [main, target] = stable_motions(model, settings, mains, branch, place.omega);
     let shapes = model.monitors().iter().map(|&dof| model.modes().shapes[(dof, place.mode)]).enumerate();
     let (monitor, shape) = shapes.max_by(|a, b| a.1.abs().total_cmp(&b.1.abs())).unwrap_or_default();
     let mut found = Disturbance {
@@ -215,13 +193,25 @@ pub fn disturb(
         endings: Vec::new(),
         push: None,
         reason: None,
+        from_rest: None,
     };
-    let (main, target) = match (main, target) {
-        (Some((main, _)), Some((target, _))) => (main, target),
-        (None, _) => return Some(Disturbance { reason: Some(Unpushed::NoMain), ..found }),
-        (_, None) => return Some(Disturbance { reason: Some(Unpushed::NoTarget), ..found }),
+    let [main, target] = [main, target].map(|motion| motion.map(|(orbit, _)| orbit));
+    let Ok(ends) = Ends::new(model, main.as_ref(), target.as_ref()) else {
+        return Some(Disturbance { reason: Some(Unpushed::Failed), ..found });
     };
-    let Ok(scan) = Scan::new(model, settings, (place.mode, shape.signum()), &main, &target) else {
+    if let Some(ends) = &ends {
+        let marching = Marching::new(model, &MarchingSettings::default(), branch.forcing, place.omega);
+        let (ending, amplitude) = marching
+            .map_or((Ending::Elsewhere, f64::NAN), |mut marching| ends.of(&mut marching, settings.periods, SURE));
+        found.from_rest = Some(ending);
+        observer(amplitude).is_continue().then_some(())?;
+    }
+    let (main, target, ends) = match (main, target, ends) {
+        (Some(main), Some(target), Some(ends)) => (main, target, ends),
+        (None, ..) => return Some(Disturbance { reason: Some(Unpushed::NoMain), ..found }),
+        (Some(_), ..) => return Some(Disturbance { reason: Some(Unpushed::NoTarget), ..found }),
+    };
+    let Ok(scan) = Scan::new(model, settings, (place.mode, shape.signum()), main, &target, ends) else {
         return Some(Disturbance { reason: Some(Unpushed::Failed), ..found });
     };
     scan.upwards(scan.sizes(settings.sizes, 1.0), &mut found, observer)?;
@@ -234,8 +224,32 @@ pub fn disturb(
     Some(found)
 }
 
+/// An orbit with the largest |x| of each monitored dof, m.
+type Motion = (Orbit, Vec<f64>);
+
+/// The stable motion that pushes begin from and that on the branch, as far as they are known.
+fn stable_motions(
+    model: &Model,
+    settings: &DisturbSettings,
+    mains: &[&Branch],
+    branch: &Branch,
+    omega: f64,
+) -> [Option<Motion>; 2] {
+    let stable = |branch: &Branch| {
+        let found = orbits(model, branch, omega).into_iter();
+        found.filter(|(verdict, _)| *verdict == Verdict::Stable).map(|(_, polished)| polished)
+    };
+    let height = |polished: &Polished| polished.amplitudes[0];
+    let of = |polished: Polished| (polished.orbit, polished.amplitudes);
+    let main = mains.iter().flat_map(|main| stable(main)).min_by(|a, b| height(a).total_cmp(&height(b)));
+    let target = stable(branch).max_by(|a, b| height(a).total_cmp(&height(b))).map(of);
+    let main = main.map(of).or_else(|| from_rest(model, branch.forcing, omega, settings.periods));
+    let is_other = |(main, _): &Motion| target.as_ref().is_none_or(|(target, _)| are_apart(model, main, target));
+    [main.filter(is_other), target]
+}
+
 /// The stable orbit that a motion from rest settles on, with the largest |x| of each monitored dof.
-fn from_rest(model: &Model, forcing: f64, omega: f64, periods: usize) -> Option<(Orbit, Vec<f64>)> {
+fn from_rest(model: &Model, forcing: f64, omega: f64, periods: usize) -> Option<Motion> {
     let mut marching = Marching::new(model, &MarchingSettings::default(), forcing, omega).ok()?;
     for _ in 0..periods {
         marching.period().ok()?;
@@ -262,14 +276,10 @@ struct Scan<'m, 's> {
     mode: usize,
     /// Of the modal velocity that moves the monitored dof forward.
     sign: f64,
-    omega: f64,
     main: Orbit,
     /// States of the main motion at the phases, with their steps.
     starts: Vec<(usize, Vec<f64>)>,
-    /// Images of the main orbit and of the branch's.
-    ends: [Vec<Vec<f64>>; 2],
-    /// Their distance.
-    between: f64,
+    ends: Ends<'m>,
     /// The largest push, kg^½·m/s.
     largest: f64,
 }
@@ -279,8 +289,9 @@ impl<'m, 's> Scan<'m, 's> {
         model: &'m Model,
         settings: &'s DisturbSettings,
         (mode, sign): (usize, f64),
-        main: &Orbit,
+        main: Orbit,
         target: &Orbit,
+        ends: Ends<'m>,
     ) -> Result<Self, MarchingError> {
         let n = model.size();
         let mut marching = main.marching(model)?;
@@ -294,11 +305,9 @@ impl<'m, 's> Scan<'m, 's> {
             let speeds = &marching.state()[n..2 * n];
             largest = largest.max(speeds.iter().map(|v| v * v).sum());
         })?;
-        let ends = [images(model, main)?, images(model, target)?];
-        let between = distance(model, main.omega, &main.state, &ends[1]);
         // (2 v)²/2 is four times the energy v²/2; √2 v has twice of it.
         let largest = (2.0 * largest).sqrt();
-        Ok(Self { model, settings, mode, sign, omega: main.omega, main: main.clone(), starts, ends, between, largest })
+        Ok(Self { model, settings, mode, sign, main, starts, ends, largest })
     }
 
     /// So many sizes, ascending by this ratio, up to a multiple of the largest.
@@ -369,27 +378,20 @@ impl<'m, 's> Scan<'m, 's> {
     /// Where a push ends, in a motion that comes within a share of the orbits' distance to one of them; and the largest |x| of the
     /// first monitored dof in its last period, m.
     fn ending(&self, phase: usize, size: f64, near: f64) -> (Ending, f64) {
-        self.march(phase, size, near).unwrap_or((Ending::Elsewhere, f64::NAN))
+        let marching = self.pushed(phase, size);
+        marching.map_or((Ending::Elsewhere, f64::NAN), |mut marching| {
+            self.ends.of(&mut marching, self.settings.periods, near)
+        })
     }
 
-    fn march(&self, phase: usize, size: f64, near: f64) -> Result<(Ending, f64), MarchingError> {
+    /// The main motion after a push, at the beginning of a period.
+    fn pushed(&self, phase: usize, size: f64) -> Result<Marching<'m>, MarchingError> {
         let (step, state) = &self.starts[phase];
         let mut state = state.clone();
         state[self.model.size() + self.mode] += self.sign * size;
-        let mut marching = Marching::with_steps(self.model, self.main.steps, self.main.forcing, self.omega)?;
+        let mut marching = Marching::with_steps(self.model, self.main.steps, self.main.forcing, self.main.omega)?;
         marching.restart_at(&state, *step)?;
         walk_to(&mut marching, self.main.steps)?;
-        let mut amplitude = 0.0;
-        let patience = if near < NEAR { PATIENCE } else { 1 };
-        for _ in 0..patience * self.settings.periods {
-            let state = marching.state();
-            for (images, ending) in self.ends.iter().zip([Ending::Back, Ending::Onto]) {
-                if distance(self.model, self.omega, &state, images) < near * self.between {
-                    return Ok((ending, amplitude));
-                }
-            }
-            amplitude = marching.period()?.max[0];
-        }
-        Ok((Ending::Elsewhere, amplitude))
+        Ok(marching)
     }
 }

@@ -6,6 +6,7 @@ pub mod bifurcation;
 mod branch_ends;
 mod crossing;
 pub mod disturbance;
+pub mod endings;
 pub mod multipliers;
 pub mod nearby;
 pub mod polish;

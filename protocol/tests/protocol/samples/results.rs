@@ -14,7 +14,8 @@ use solver::response::task::{
     VerifyPlace,
 };
 use solver::settings::Stretch;
-use solver::stability::disturbance::{Disturbance, Ending, Push};
+use solver::stability::disturbance::{Disturbance, Push};
+use solver::stability::endings::Ending;
 use solver::stability::polish::Reason;
 use solver::stability::settling::{Motion, Settling};
 use solver::stability::verification::{BifurcationPoint, MarchedOrbit, Verification, VerifiedPoint};
@@ -263,6 +264,7 @@ pub fn result_disturbance() -> StoredResult {
             endings: vec![Ending::Back, Ending::Elsewhere, Ending::Back, Ending::Onto],
             push: Some(push),
             reason: None,
+            from_rest: Some(Ending::Back),
         }),
         task: TaskId::of_disturbance("2.5", &place).unwrap(),
         work: Task::Disturb(place),

@@ -23,7 +23,7 @@ FILE = "run.sqlite"
 APPLICATION = 0x49534F4C
 #: Versions of the schema that are read. Version 1 has no `peak_standing` and what follows it in `branches`; 1 and 2 know one
 #: backbone and no fold curves.
-VERSIONS = range(1, 13)
+VERSIONS = range(1, 14)
 #: What SQLite raises of a damaged file; texts of it are not always texts.
 ERRORS = (sqlite3.DatabaseError, UnicodeDecodeError)
 #: How long to wait for whoever writes, s.

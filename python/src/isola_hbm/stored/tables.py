@@ -35,7 +35,7 @@ MOTIONS = [
 ]
 PUSHES = [
     *("forcing", "branch", "mode", "omega", "monitor", "motions", "largest", "impulse", "below", "velocity", "phase"),
-    *("confirmed", "energy"),
+    *("confirmed", "energy", "from_rest"),
 ]
 FOLDS = ["curve", "forcing", "omega", "amplitude", "kind"]
 EVENTS = [
@@ -105,9 +105,10 @@ def pushes(reading: Reading) -> pd.DataFrame:
     """The smallest impulses found that throw the structure from its main branch onto another one; as ``pushes.csv``."""
     if reading.version < 4:
         return _frame(PUSHES, [])
-    sql = """
+    from_rest = "from_rest" if reading.version >= 13 else "NULL AS from_rest"
+    sql = f"""
         SELECT levels.value AS forcing, kind, number, mode, omega, monitor, motions, largest, impulse, below, velocity, phase,
-            confirmed, reason, 0.5 * impulse * abs(velocity) AS energy
+            confirmed, reason, 0.5 * impulse * abs(velocity) AS energy, {from_rest}
         FROM pushes JOIN branches ON branches.id = branch JOIN levels USING (level)
         ORDER BY branches.level, branches.id, mode
     """
@@ -118,7 +119,7 @@ def pushes(reading: Reading) -> pd.DataFrame:
         row["branch"] = kind if (kind, number) == ("main", 1) else f"{kind} {number}"
         row["monitor"] = monitors[row["monitor"]] if row["monitor"] < len(monitors) else ""
         row["confirmed"] = None if row["confirmed"] is None else bool(row["confirmed"])
-    frame = _frame(PUSHES, rows, texts={"branch", "monitor", "reason"}, integers={"motions"})
+    frame = _frame(PUSHES, rows, texts={"branch", "monitor", "reason", "from_rest"}, integers={"motions"})
     return frame.astype({"confirmed": "boolean"})
 
 

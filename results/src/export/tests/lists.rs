@@ -6,6 +6,7 @@ use crate::export::listed::{motions, pushes};
 use crate::export::value::{Record, Value};
 use crate::store::{MotionRow, PushRow};
 use protocol::array::Array;
+use solver::stability::endings::Ending;
 use std::collections::HashMap;
 use tempfile::tempdir;
 
@@ -33,16 +34,20 @@ fn pushes_are_text_and_numbers() {
         phase: Some(0.25),
         confirmed: Some(true),
         reason: None,
+        from_rest: Some(Ending::Onto),
     };
     let reason = Some("too far".into());
-    let missed = PushRow { impulse: None, below: None, confirmed: None, reason, ..found.clone() };
+    let missed = PushRow { impulse: None, below: None, confirmed: None, reason, from_rest: None, ..found.clone() };
     let rows = [found, missed];
     let list = pushes(&rows, |forcing| forcing.parse().unwrap(), &["x".into(), "y".into()]);
 
     let dir = tempdir().unwrap();
     assert_eq!(list.write(dir.path()).unwrap(), "pushes.csv");
     let (names, text) = table(&dir.path().join("pushes.csv"));
-    assert!(names.starts_with("forcing,branch,mode,omega,monitor") && names.ends_with("confirmed,energy"), "{names}");
+    assert!(
+        names.starts_with("forcing,branch,mode,omega,monitor") && names.ends_with("confirmed,energy,from_rest"),
+        "{names}"
+    );
     let cells = ["forcing", "mode", "monitor", "impulse", "confirmed"].map(|column| [0, 1].map(|i| &*text[i][column]));
     assert_eq!(cells, [["1e2"; 2], ["2"; 2], ["y"; 2], ["4", ""], ["true", ""]]);
 
@@ -50,6 +55,7 @@ fn pushes_are_text_and_numbers() {
     assert_eq!(values["pushes.mode"], Value::from(vec![1_usize, 1]));
     assert_eq!(values["pushes.value"], Value::from(vec![100.0, 100.0]));
     assert_eq!(values["pushes.confirmed"], Value::from(vec![true, false]));
+    assert_eq!(["from_rest"].map(|column| [0, 1].map(|i| &*text[i][column])), [["onto", ""]]);
     assert_eq!(values["pushes.reason"], Value::from(vec![String::new(), "too far".into()]));
     let Value::Real(impulse) = &values["pushes.impulse"] else { panic!("{:?}", values["pushes.impulse"]) };
     let impulse = impulse.values("impulse", &[2]).unwrap();

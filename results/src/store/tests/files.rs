@@ -35,7 +35,7 @@ fn what_is_no_run_is_refused() {
 
     drop(Store::create(dir.path(), &header()).unwrap());
     Connection::open(&file).unwrap().execute_batch("PRAGMA user_version = 99").unwrap();
-    assert_refused(dir.path(), "version 99 of the format, this program knows version 12; use a newer `isola`");
+    assert_refused(dir.path(), "version 99 of the format, this program knows version 13; use a newer `isola`");
 }
 
 #[test]
@@ -65,7 +65,7 @@ fn a_run_of_the_first_programs_is_read_but_does_not_go_on() {
     db.execute_batch(one_mode).unwrap();
     drop(db);
     let error = Store::open(dir.path()).unwrap_err();
-    assert!(matches!(error, StoreError::Older { found: 1, known: 12, .. }), "{error}");
+    assert!(matches!(error, StoreError::Older { found: 1, known: 13, .. }), "{error}");
     assert!(error.to_string().contains("`isola sweep` computes the study again"), "{error}");
 
     let reader = Reader::open(dir.path()).unwrap();

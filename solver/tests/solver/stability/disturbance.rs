@@ -3,7 +3,8 @@
 use super::lasting::{level, model};
 use solver::response::branch::Observer;
 use solver::response::task::{BranchId, DisturbPlace};
-use solver::stability::disturbance::{DisturbSettings, Disturbance, Ending, Unpushed, disturb};
+use solver::stability::disturbance::{DisturbSettings, Disturbance, Unpushed, disturb};
+use solver::stability::endings::Ending;
 use solver::structure::laws::{PolynomialDamper, Term};
 use solver::{Backbone, Branch, Level, Model, Settings, Stretch, verify};
 use std::f64::consts::TAU;
@@ -72,6 +73,33 @@ fn the_smallest_push_onto_an_isola_is_that_of_another_integration() {
     let row = found.sizes.iter().position(|size| *size > push.below).unwrap();
     assert!(found.endings[..row * found.phases].iter().all(|ending| *ending != Ending::Onto));
     assert!(found.endings[row * found.phases..].contains(&Ending::Onto));
+}
+
+#[test]
+fn where_rest_leads_is_where_another_integration_ends() {
+    let model = model("nonlinear_damper");
+    let level = level(&model, FORCING);
+    let (main, isola) = (level.main(), level.isolas().next().unwrap());
+    let quick = DisturbSettings { phases: 1, sizes: (1, 1.3), finer: (1, 1.3), ..DisturbSettings::default() };
+    let place = DisturbPlace { branch: BranchId::isola(0), mode: 0, omega: isola.peak().omega() };
+    let from = |mains: &[&Branch], branch: &Branch, omega: f64| {
+        let place = DisturbPlace { omega, ..place };
+        disturb(&model, &quick, mains, branch, &place, &mut |_| ControlFlow::Continue(())).unwrap()
+    };
+    let omega = pushed(&model, &level, &quick, None).omega;
+    let onto_isola = from(&[main], isola, omega);
+    let [small, large] = [onto_isola.amplitudes[0][0], onto_isola.amplitudes[1][0]];
+    let amplitude = amplitude_after(omega, 0.0, 0.0);
+    assert!((amplitude / small - 1.0).abs() < 0.01 && large > 2.0 * small, "{amplitude}: {small} or {large}");
+    assert_eq!(onto_isola.from_rest, Some(Ending::Back));
+    // The same motion with the two branches exchanged, and where no other motion is known than that which rest leads to.
+    assert_eq!(from(&[isola], main, omega).from_rest, Some(Ending::Onto));
+    let alone = from(&[], main, omega);
+    assert_eq!((alone.reason, alone.from_rest), (Some(Unpushed::NoMain), Some(Ending::Onto)));
+    // Where the branch has no motion, rest leads to the other one; where neither has, nothing is known.
+    let beyond = 1.05 * isola.frequency_range().1;
+    let no_target = from(&[main], isola, beyond);
+    assert_eq!((no_target.reason, no_target.from_rest), (Some(Unpushed::NoTarget), Some(Ending::Back)));
 }
 
 /// Two masses that swing against each other as that of `nonlinear_damper` does: x1 = x, x2 = −x.

@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::store::{MotionRow, PushRow};
+use solver::stability::endings::Ending;
 
 /// A branch that was verified.
 fn verified(stable: f64, unstable: f64, peak: &str, branch: BranchRow) -> BranchRow {
@@ -136,6 +137,7 @@ fn the_push_of_least_energy_is_told_with_its_isola() {
         phase: Some(0.25),
         confirmed: Some(true),
         reason: None,
+        from_rest: None,
     };
     let levels = [level(1.0, vec![main(1e-3), verified(0.5, 0.5, "unstable", isola(2e-3))])];
     // The larger impulse acts on what is heavier, and takes less.
@@ -154,6 +156,10 @@ fn the_push_of_least_energy_is_told_with_its_isola() {
     let untried = [PushRow { reason: Some("nothing lasts there".into()), ..none[0].clone() }];
     let [danger, ..] = told(&levels, |evidence| evidence.pushes = &untried);
     assert!(danger.contains(" No push onto an isola was tried: nothing lasts there."), "{danger}");
+    let switched_on = [PushRow { from_rest: Some(Ending::Onto), ..untried[0].clone() }];
+    let [danger, ..] = told(&levels, |evidence| evidence.pushes = &switched_on);
+    let onto = "The force switched on at rest (at once, where it is largest) leads onto isola 1 at A = 1 and 58.6000 rad/s without a push.";
+    assert!(danger.contains(onto), "{danger}");
 }
 
 #[test]
