@@ -6,6 +6,7 @@ pub mod continuation;
 pub mod corner;
 mod crossing;
 pub mod extrema;
+mod frequencies;
 pub mod identity;
 pub mod least_norm;
 pub mod newton;

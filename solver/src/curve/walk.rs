@@ -1,6 +1,7 @@
 //! Walking a curve to its end: bounds, closure, reversal.
 
 use crate::curve::continuation::{Continuation, ContinuationSettings, CurvePoint, Rejection};
+use crate::curve::frequencies::Frequencies;
 use crate::curve::identity::{Identity, is_beside};
 use crate::curve::outcome::{Outcome, Stop};
 use crate::curve::problem::{Failure, Problem, SAME_IMAGE, inner, norm};
@@ -82,8 +83,7 @@ pub fn walk_on<P: Problem, T: Evaluated<P>>(
     ending: &mut Ending<'_, P, T>,
 ) -> Stop {
     let mut identity = Identity::default();
-    // Side by side: every point is compared with all before it.
-    let mut omegas: Vec<f64> = visited.iter().map(|visited| visited.point.omega()).collect();
+    let mut omegas: Frequencies = visited.iter().map(|visited| visited.point.omega()).collect();
     loop {
         if visited.len() >= bounds.points {
             return Stop::PointBudget;
@@ -357,17 +357,14 @@ fn revisit<P: Problem, T: Evaluated<P>>(
     identity: &mut Identity,
     continuation: &mut Continuation<'_, P>,
     visited: &[TracedPoint<T>],
-    omegas: &[f64],
+    omegas: &Frequencies,
 ) -> Option<Revisit> {
     let (last, earlier) = visited.split_last()?;
     let newton = continuation.settings().newton;
     let problem = continuation.problem();
     let omega = last.point.omega();
     let keep_clear = earlier.len().saturating_sub(3);
-    for (index, pair) in omegas[..keep_clear].windows(2).enumerate() {
-        if (pair[0] - omega) * (pair[1] - omega) > 0.0 {
-            continue;
-        }
+    for index in omegas.around(omega, keep_clear) {
         let [a, b] = [&earlier[index].curve, &earlier[index + 1].curve];
         let cosine = inner(problem.metric(), &a.tangent, &last.curve.tangent);
         if cosine.abs() > 0.9
