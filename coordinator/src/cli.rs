@@ -91,7 +91,7 @@ Examples:
   isola disturb runs/NAME                       pushes in the first three modes, onto every isola with a stable part
   isola disturb runs/NAME --modes 1
 
-Of each push it is said how strong it is, and when it comes: so much of a period of the motion after an instant at which the
+Of each push it is said how strong it is, and when it comes: so much of a period of the isola's motion after an instant at which the
 force (not the response) is largest. Also where the motion ends, at the same frequency, when the force is switched on at rest.")]
     Disturb(DisturbArgs),
     /// Say how a run is doing (also one that is not running).

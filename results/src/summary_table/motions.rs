@@ -33,14 +33,19 @@ fn of_many(branches: &[&[MotionRow]], units: Units, is_further: bool) -> String 
     repeated.dedup();
     let periods: Vec<String> = repeated.iter().map(ToString::to_string).collect();
     kinds.extend((!periods.is_empty()).then(|| format!("motions that repeat after {} periods", listed(&periods))));
-    let largest = rows().filter_map(|row| row.amplitude).map(|(_, high)| high).fold(0.0, f64::max);
-    format!(
-        "From unstable motions of {} branches time marching came to {}; the largest of all these has an amplitude of {} {} (motions.csv).",
-        branches.len(),
-        kinds.join(", to "),
-        units.length.digits(largest),
-        units.length
-    )
+    let largest = rows().filter_map(|row| Some((row.amplitude?.1, row))).max_by(|a, b| a.0.total_cmp(&b.0));
+    let largest = largest.map_or_else(String::new, |(amplitude, row)| {
+        format!(
+            "; the largest of all these has an amplitude of {} {} at A = {} and {} {} (motions.csv)",
+            units.length.digits(amplitude),
+            units.length,
+            row.forcing,
+            units.frequency.digits(row.omega),
+            units.frequency
+        )
+    });
+    let kinds = kinds.join(", to ");
+    format!("From unstable motions of {} branches time marching came to {kinds}{largest}.", branches.len())
 }
 
 fn sentence(rows: &[MotionRow], units: Units, is_further: bool) -> String {
@@ -136,7 +141,7 @@ mod tests {
         let many = [of("1", Some("main")), of("2", None), of("3", Some("main")), of("4", Some("isola 1"))];
         let missed = one(&many[1]);
         let rest = "From unstable motions of 3 branches time marching came to a stable part of the branch that they are on, to main; the largest of all these has an \
-                    amplitude of 2.0000e-3 m (motions.csv).";
+                    amplitude of 2.0000e-3 m at A = 4 and 2600.00 rad/s (motions.csv).";
         assert_eq!(told(&many), [missed, rest.to_string()]);
     }
 

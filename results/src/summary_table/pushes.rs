@@ -39,8 +39,9 @@ pub(crate) fn switched_on(pushes: &[PushRow], units: Units) -> Option<String> {
         some_of(&places.collect::<Vec<_>>())
     };
     let onto = ending(Ending::Onto).map(|places| format!("leads onto {places} without a push"));
-    let back = ending(Ending::Back)
-        .map(|places| format!("does not lead onto {places}, but to the motion that pushes begin from"));
+    let back = ending(Ending::Back).map(|places| {
+        format!("does not lead onto {places}, but to another stable motion, the one that pushes begin from")
+    });
     let elsewhere = ending(Ending::Elsewhere)
         .map(|places| format!("was seen to lead neither onto {places} nor to the motion that pushes begin from"));
     let all: Vec<String> = [onto, back, elsewhere].into_iter().flatten().collect();
@@ -83,20 +84,7 @@ fn place(row: &PushRow, units: Units) -> String {
 
 /// The smallest push onto each of these isolas.
 fn smallest(found: &[(&[PushRow], &PushRow, String)], monitors: &[String]) -> Option<String> {
-    let told = |(_, least, onto): &(&[PushRow], &PushRow, String)| {
-        let when = match least.phase {
-            Some(phase) if phase != 0.0 => {
-                format!(
-                    ", {} of a period of the motion after an instant at which the force is largest",
-                    digits(phase, DIGITS)
-                )
-            }
-            Some(_) => ", when the force is largest".into(),
-            None => String::new(),
-        };
-        let doubt = if least.confirmed == Some(true) { "" } else { " (not confirmed by longer marching)" };
-        format!("{onto}: {}{when}{doubt}", strength(least, monitors))
-    };
+    let told = |(_, least, onto): &(&[PushRow], &PushRow, String)| format!("{onto}: {}", strength(least, monitors));
     let mut tried: Vec<usize> =
         found.iter().flat_map(|(rows, ..)| rows.iter().map(|row| row.mode.saturating_sub(1))).collect();
     tried.sort_unstable();
@@ -129,13 +117,22 @@ fn none(unfound: &[(&[PushRow], String)], monitors: &[String]) -> Option<String>
     (!list.is_empty()).then(|| format!("No push was found that ends on {}. Others may.", listed(&list)))
 }
 
-/// How strong a push is: its energy, and its impulse with the dof that it is given for.
+/// How strong a push is, and when it acts: its energy, and its impulse with the dof that it is given for.
 pub(crate) fn strength(push: &PushRow, monitors: &[String]) -> String {
     let [energy, size, velocity] =
         [push.energy(), push.impulse, push.velocity].map(|value| digits(value.unwrap_or_default().abs(), DIGITS));
+    let when = match push.phase {
+        Some(phase) if phase != 0.0 => format!(
+            ", {} of a period of the isola's motion after an instant at which the force is largest",
+            digits(phase, DIGITS)
+        ),
+        Some(_) => ", when the force is largest".into(),
+        None => String::new(),
+    };
+    let doubt = if push.confirmed == Some(true) { "" } else { " (not confirmed by longer marching)" };
     let sense = if push.velocity.is_some_and(|velocity| velocity < 0.0) { "−" } else { "+" };
     format!(
-        "{energy} J, all dofs at once in the shape of mode {}, {sense}{velocity} m/s at {} (what {sense}{size} N s at that dof put into the mode)",
+        "{energy} J, all dofs at once in the shape of mode {}, {sense}{velocity} m/s at {} (what {sense}{size} N s at that dof put into the mode){when}{doubt}",
         push.mode,
         dof(push, monitors)
     )
@@ -180,7 +177,7 @@ mod tests {
         assert_eq!(
             said,
             "Smallest push found that ends on isola 1 at A = 60 and 2665.46 rad/s: 5.43 J, all dofs at once in the shape \
-             of mode 1, +2.33 m/s at tip (what +4.66 N s at that dof put into the mode), 0.25 of a period of the motion after an instant at which the force is largest. Tried were pushes in \
+             of mode 1, +2.33 m/s at tip (what +4.66 N s at that dof put into the mode), 0.25 of a period of the isola's motion after an instant at which the force is largest. Tried were pushes in \
              modes 1 to 3, from the stable motion of the main branch or, where it has none, from that which rest leads to, at one frequency an isola, the middle of its stable part."
         );
         let doubtful = PushRow { confirmed: Some(false), ..row(1, Some(4.66), None) };
@@ -221,12 +218,12 @@ mod tests {
         assert_eq!(
             said(&[ends("60", 1, Ending::Back), ends("80", 1, Ending::Onto), ends("90", 1, Ending::Elsewhere)]),
             "The force switched on at rest (at once, where it is largest) leads onto isola 1 at A = 80 and 2665.46 rad/s without a push; it \
-             does not lead onto isola 1 at A = 60 and 2665.46 rad/s, but to the motion that pushes begin from; it was seen to lead \
+             does not lead onto isola 1 at A = 60 and 2665.46 rad/s, but to another stable motion, the one that pushes begin from; it was seen to lead \
              neither onto isola 1 at A = 90 and 2665.46 rad/s nor to the motion that pushes begin from."
         );
         let many: Vec<_> = (1..7).map(|i| ends(&i.to_string(), 1, Ending::Back)).collect();
         assert!(said(&many).contains(" isola 1 at A = 4 and 2665.46 rad/s and 2 more, but to"), "{}", said(&many));
-        assert!(told(&many[..1]).ends_with("was tried: why. The force switched on at rest (at once, where it is largest) does not lead onto isola 1 at A = 1 and 2665.46 rad/s, but to the motion that pushes begin from."));
+        assert!(told(&many[..1]).ends_with("was tried: why. The force switched on at rest (at once, where it is largest) does not lead onto isola 1 at A = 1 and 2665.46 rad/s, but to another stable motion, the one that pushes begin from."));
     }
 
     #[test]

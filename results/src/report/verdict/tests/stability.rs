@@ -148,7 +148,8 @@ fn the_push_of_least_energy_is_told_with_its_isola() {
     });
     let least = "Of the pushes looked for, one frequency an isola, the one found with least energy to lead to an \
                  isola leads to isola 1 of A = 2 at 58.6 rad/s (9.326 Hz): 0.05 J, all dofs at once in the shape of mode 2, +0.05 m/s at \
-                 machine (what +2 N s at that dof put into the mode).";
+                 machine (what +2 N s at that dof put into the mode), 0.25 of a period of the isola's motion after an instant at which the \
+                 force is largest.";
     assert!(danger.contains(least), "{danger}");
     let none = [PushRow { impulse: None, velocity: None, ..push("1", 0, 0.4, 0.4) }];
     let [danger, ..] = told(&levels, |evidence| evidence.pushes = &none);
