@@ -438,7 +438,7 @@ def test_what_is_no_run(tmp_path: Path, copy: Path) -> None:
         isola_hbm.load(file)
     change(copy, "PRAGMA user_version = 99")
     with pytest.raises(
-        isola_hbm.OtherVersion, match="version 99 of the format, this package knows version 12"
+        isola_hbm.OtherVersion, match="version 99 of the format, this package knows version 13"
     ):
         isola_hbm.load(copy)
 
