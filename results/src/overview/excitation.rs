@@ -36,13 +36,14 @@ impl Unforced {
         let rounding = |at: &BackbonePoint| ROUND_OFF * at.energies().linear + OF_KINETIC * kinetic(at);
         let begins = |pair: &&[BackbonePoint]| {
             let (before, behind) = (balance(&pair[0]), balance(&pair[1]));
-            before >= 0.0 && behind < -rounding(&pair[1])
+            // A point of the backbone may lie where the balance vanishes, to rounding.
+            before >= -rounding(&pair[0]) && behind < -rounding(&pair[1])
         };
         let piece = backbone.pieces().next()?;
         let first = piece.windows(2).find(begins);
         let is_fed_by_damping = first.is_some_and(|pair| pair[1].energies().linear < 0.0);
         let fed_from = first.map(|pair| {
-            let share = balance(&pair[0]) / (balance(&pair[0]) - balance(&pair[1]));
+            let share = (balance(&pair[0]) / (balance(&pair[0]) - balance(&pair[1]))).max(0.0);
             let between = |of: fn(&BackbonePoint) -> f64| of(&pair[0]) + share * (of(&pair[1]) - of(&pair[0]));
             (between(|at| at.point.amplitude()), between(|at| at.point.omega()))
         });
@@ -147,8 +148,8 @@ mod tests {
     /// With one harmonic of velocity V the damper takes 0.02 − 0.045 V² + 0.01875 V⁴ of V² π: nothing at V² = 0.5890 and 1.8110.
     #[test]
     fn where_what_is_fed_in_exceeds_the_damping() {
-        let unforced = |damping: f64, cubic: f64| {
-            let terms = [(3, cubic), (5, 0.03)].map(|(power, coefficient)| Term { power, coefficient });
+        let of = |damping: f64, cubic: f64, fifth: f64| {
+            let terms = [(3, cubic), (5, fifth)].map(|(power, coefficient)| Term { power, coefficient });
             let model = Model::builder("mass")
                 .mass([[1.0]])
                 .stiffness([[1.0]])
@@ -159,10 +160,15 @@ mod tests {
                 .unwrap();
             Unforced::of(&Backbone::compute(&model, &Settings::default()).unwrap()).unwrap()
         };
+        let unforced = |damping: f64, cubic: f64| of(damping, cubic, 0.03);
         let (amplitude, omega) = unforced(0.02, -0.06).fed_from.unwrap();
         let exact = f64::sqrt((0.045 - f64::sqrt(0.045_f64.powi(2) - 4.0 * 0.02 * 0.01875)) / (2.0 * 0.01875));
         assert!((amplitude * omega / exact - 1.0).abs() < 5e-3, "{amplitude} {omega}, not {exact}");
         assert_eq!(unforced(0.02, -0.05).fed_from, None);
+        // A point of this backbone lies where nothing is taken, a little beyond by rounding.
+        let (amplitude, omega) = of(0.02, -0.05, 0.01).fed_from.unwrap();
+        let exact = f64::sqrt((0.0375 - f64::sqrt(0.0375_f64.powi(2) - 4.0 * 0.02 * 0.00625)) / (2.0 * 0.00625));
+        assert!((amplitude * omega / exact - 1.0).abs() < 5e-3, "{amplitude} {omega}, not {exact}");
         // Nothing but the damper acts against it: from rest on.
         let undamped = unforced(0.0, -0.06);
         assert!(undamped.is_fed_at_rest && undamped.fed_from.is_none(), "{undamped:?}");
