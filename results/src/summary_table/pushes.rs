@@ -42,8 +42,11 @@ pub(crate) fn switched_on(pushes: &[PushRow], units: Units) -> Option<String> {
     let back = ending(Ending::Back).map(|places| {
         format!("does not lead onto {places}, but to another stable motion, the one that pushes begin from")
     });
-    let elsewhere = ending(Ending::Elsewhere)
-        .map(|places| format!("was seen to lead neither onto {places} nor to the motion that pushes begin from"));
+    let elsewhere = ending(Ending::Elsewhere).map(|places| {
+        format!(
+            "was seen to lead neither to the largest stable motion of {places} nor to the motion that pushes begin from"
+        )
+    });
     let all: Vec<String> = [onto, back, elsewhere].into_iter().flatten().collect();
     let (first, rest) = all.split_first()?;
     let rest: String = rest.iter().map(|what| format!("; it {what}")).collect();
@@ -219,7 +222,7 @@ mod tests {
             said(&[ends("60", 1, Ending::Back), ends("80", 1, Ending::Onto), ends("90", 1, Ending::Elsewhere)]),
             "The force switched on at rest (at once, where it is largest) leads onto isola 1 at A = 80 and 2665.46 rad/s without a push; it \
              does not lead onto isola 1 at A = 60 and 2665.46 rad/s, but to another stable motion, the one that pushes begin from; it was seen to lead \
-             neither onto isola 1 at A = 90 and 2665.46 rad/s nor to the motion that pushes begin from."
+             neither to the largest stable motion of isola 1 at A = 90 and 2665.46 rad/s nor to the motion that pushes begin from."
         );
         let many: Vec<_> = (1..7).map(|i| ends(&i.to_string(), 1, Ending::Back)).collect();
         assert!(said(&many).contains(" isola 1 at A = 4 and 2665.46 rad/s and 2 more, but to"), "{}", said(&many));
