@@ -2,10 +2,17 @@
 
 use crate::{DAMPER, LASTING, LONG, SHORT};
 use rustix::process::Signal;
-use tests::{System, results};
+use std::time::Duration;
+use tests::{Process, System, results};
 
 /// The task of the main branch.
 const MAIN: &str = "0.009-0";
+
+/// Shortest time between two parts that a worker sends.
+const PERIOD: Duration = Duration::from_secs(2);
+
+/// So long a worker takes steps before it is frozen.
+const WORKING: Duration = Duration::from_millis(200);
 
 /// Waits for the main branch: every number of it as stored.
 fn branch(system: &System) -> Vec<String> {
@@ -14,8 +21,13 @@ fn branch(system: &System) -> Vec<String> {
     results::numbers_of(&system.directory(), MAIN)
 }
 
-/// Waits until more than so many steps of its branch are kept, or the branch is stored: whether that is not so.
-fn is_under_way_after(system: &System, steps: i64) -> bool {
+/// Waits until more than so many steps of its branch, which the worker follows, are kept, or the branch is stored: whether that is not so.
+fn is_under_way_after(system: &System, worker: &Process, steps: i64) -> bool {
+    // A part is due after so long by the clock: frozen meanwhile, a worker has not come to the end by then, however fast its machine.
+    std::thread::sleep(WORKING);
+    worker.signal(Signal::STOP);
+    std::thread::sleep(PERIOD);
+    worker.signal(Signal::CONT);
     let stored = format!("SELECT count(*) FROM branches WHERE task = '{MAIN}'");
     let kept = format!("SELECT coalesce(sum(steps), 0) > {steps} FROM checkpoints WHERE task = '{MAIN}'");
     system.eventually("a checkpoint", |system| system.number(&kept) == 1 || system.number(&stored) == 1);
@@ -33,7 +45,10 @@ fn a_successor_goes_on_and_comes_to_the_same_bytes() {
     });
     let mut system = System::sweep(DAMPER, &[LASTING, SHORT].concat());
     let first = system.worker();
-    assert!(is_under_way_after(&system, 0), "the branch does not last");
+    system.eventually("a lease", |system| {
+        system.number(&format!("SELECT count(*) FROM attempts WHERE task = '{MAIN}'")) == 1
+    });
+    assert!(is_under_way_after(&system, &first, 0), "the branch does not last");
     first.signal(Signal::KILL);
     system.coordinator.signal(Signal::KILL);
     system.coordinator.wait();
@@ -43,7 +58,7 @@ fn a_successor_goes_on_and_comes_to_the_same_bytes() {
     system.eventually("a successor", |system| system.number(&handed_on) > 0);
     let once = system.number(&handed_on);
     let mut successors = vec![second];
-    if is_under_way_after(&system, once) {
+    if is_under_way_after(&system, &successors[0], once) {
         successors[0].signal(Signal::KILL);
         successors.push(system.worker());
     }

@@ -3,11 +3,10 @@
 use super::evidence::Evidence;
 use crate::curves::{Column, Piece};
 use crate::overview::modes::not_started;
-use crate::overview::{Level, amplitude_bound, ends_far_beyond, ends_near, stopped};
+use crate::overview::{Level, amplitude_bound, ends_far_beyond, ends_near, named, stopped, undecided_kinds};
 use crate::store::{CurvePoint, CurveRow};
 use crate::words::{count, digits, in_both_units};
 use protocol::to_everyone::Stage;
-use solver::response::branch::BranchKind;
 use solver::response::critical::CriticalKind;
 
 /// Levels that a sentence names.
@@ -87,18 +86,8 @@ pub(super) fn losses(evidence: &Evidence<'_>) -> Vec<Loss> {
         |omega| evidence.frequency(omega),
     );
     list.extend(bound.map(|sentence| Loss::grave("larger responses not followed", sentence)));
-    let partial = [
-        (BranchKind::Unfinished, "unfinished", "are unfinished: whether they are detached is not known"),
-        (
-            BranchKind::Cut,
-            "cut by bounds",
-            "leave through bounds that were given: whether they are detached is not known",
-        ),
-    ];
-    for (kind, brief, what) in partial {
-        let told = evidence.of_kind(kind, what);
-        list.extend(told.map(|(branches, sentence)| Loss::grave(format!("{branches} {brief}"), sentence)));
-    }
+    let undecided = undecided_kinds(levels, |size| evidence.length(size));
+    list.extend(undecided.into_iter().map(|(brief, sentence)| Loss::grave(brief, sentence)));
     let highest = levels.iter().map(|level| level.value).fold(f64::NEG_INFINITY, f64::max);
     for backbone in evidence.backbones() {
         let matters = |piece: &&Piece| {
@@ -267,14 +256,6 @@ impl Of {
             named: named(&some),
         })
     }
-}
-
-/// `A = 1, 2 and 3 more`.
-pub(super) fn named(levels: &[&Level]) -> String {
-    let list: Vec<&str> = levels.iter().take(NAMED).map(|level| level.amplitude.as_str()).collect();
-    let more = levels.len().saturating_sub(NAMED);
-    let more = if more > 0 { format!(" and {more} more") } else { String::new() };
-    format!("A = {}{more}", list.join(", "))
 }
 
 /// Whose isolas: of so many folds.

@@ -1,10 +1,9 @@
 //! What was not found: isolas, and what the energy balance predicts, as an estimate.
 
 use super::evidence::Evidence;
-use super::losses::named;
 use crate::curves::BackboneCurve;
 use crate::overview::{
-    Bounds, Level, Origin, beyond, born_above, born_below, born_between, forcing_label, is_within, later_birth,
+    Bounds, Level, Origin, beyond, born_above, born_below, born_between, forcing_label, is_within, later_birth, named,
     overlaps, overlooked, parted_between, told_threshold, truncation_doubt, undecided,
 };
 use crate::store::CurvePoint;

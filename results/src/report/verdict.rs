@@ -7,15 +7,15 @@ mod tests;
 
 use super::evidence::{Evidence, OrderFound};
 use super::folded::folded_sentence;
-use super::losses::{losses, named, unknown_beyond};
+use super::losses::{losses, unknown_beyond};
 use super::predictions::{NOTHING, WINDOWS_ALONE};
 use super::ranges::{in_words, joined, over, runs};
 use super::sentence::Sentence;
 use crate::curves::Touch;
 use crate::overview::{
     BranchRow, Doubts, Events, Level, UNTOUCHED, Unforced, around_largest, asks_for_harmonics, beyond, events, highest,
-    is_untouched, modes, not_followed_sentence, passed_over_sentence, reach_sentence, sampled, shift_sentence,
-    truncation, turned_sliding,
+    is_untouched, modes, named, not_followed_sentence, of_kind, passed_over_sentence, reach_sentence, sampled,
+    shift_sentence, truncation, turned_sliding,
 };
 use crate::summary_table::{motions, stability};
 use crate::told::length_in;
@@ -274,28 +274,10 @@ impl<'r> Evidence<'r> {
             (BranchKind::Open, "leave through the widest bounds at both ends: detached, but not closed"),
             (BranchKind::Branched, branched.as_str()),
         ];
-        kinds.into_iter().filter_map(|(kind, what)| Some(self.of_kind(kind, what)?.1)).collect()
-    }
-
-    /// `2 branches`, and in a sentence what they do, told of many.
-    pub(super) fn of_kind(&self, kind: BranchKind, many: &str) -> Option<(String, String)> {
-        let number = |level: &Level| level.others().filter(|row| row.kind == kind.name()).count();
-        let levels: Vec<&Level> = self.levels.iter().filter(|level| number(level) > 0).collect();
-        let branches: usize = levels.iter().map(|level| number(level)).sum();
-        let one = many
-            .replace("leave", "leaves")
-            .replace("branch off", "branches off")
-            .replace("they are", "it is")
-            .replacen("are ", "is ", 1);
-        let list = format!("{branches} {}", if branches == 1 { "branch" } else { "branches" });
-        let what = if branches == 1 { one.as_str() } else { many };
-        let rows = levels.iter().flat_map(|level| level.others()).filter(|row| row.kind == kind.name());
-        let size = highest(rows).map_or_else(String::new, |row| {
-            let up_to = if row.at_least().is_empty() { "up to " } else { "" };
-            format!(" ({up_to}{})", self.size(row))
-        });
-        let sentence = format!("{list}, at {}{size}, {what}.", named(&levels));
-        (branches > 0).then_some((list, sentence))
+        kinds
+            .into_iter()
+            .filter_map(|(kind, what)| Some(of_kind(self.levels, kind, what, |size| self.length(size))?.1))
+            .collect()
     }
 
     fn onset(&self, events: Option<&Events>) -> String {

@@ -6,7 +6,8 @@ use super::units::Units;
 use super::{search, stability};
 use crate::overview::{
     Doubts, Level, amplitude_bound, around_largest, asks_for_harmonics, highest, in_words, largest_stable_sentence,
-    near_largest, passed_over_sentence, truncation_of, turned_sliding, unfinished, unstable_peak_sentence,
+    near_largest, passed_over_sentence, truncation_of, turned_sliding, undecided_kinds, unfinished,
+    unstable_peak_sentence,
 };
 use crate::words::{capitalised, listed};
 use solver::response::branch::BranchKind;
@@ -31,6 +32,11 @@ pub(super) fn answer(known: &Known, units: Units) -> Vec<String> {
             |size| format!("{} {}", units.length.digits(size), units.length),
             |omega| units.frequency.told(omega),
         ))
+        .chain(
+            undecided_kinds(levels, |size| format!("{} {}", units.length.digits(size), units.length))
+                .into_iter()
+                .map(|(_, sentence)| sentence),
+        )
         .chain(
             truncation_of(known.model.as_ref(), levels, known.settings.as_ref(), known.is_further, |omega| {
                 units.frequency.told(omega)
