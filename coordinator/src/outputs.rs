@@ -19,6 +19,9 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 use worker::terminal;
 
+/// Notes that are told one by one.
+const NOTES: usize = 12;
+
 /// The file of a page.
 #[cfg(feature = "page")]
 const PAGE: &str = "report.html";
@@ -31,8 +34,13 @@ fn told(made: impl Display, omissions: &Omissions) -> Result<ExitCode, Error> {
 /// The same of several runs.
 fn told_of_all(made: impl Display, omissions: &[&Omissions]) -> Result<ExitCode, Error> {
     terminal::print(made).map_err(Error::io("standard output"))?;
-    for sentence in omissions.iter().flat_map(|omissions| omissions.sentences()) {
+    let all = || omissions.iter().flat_map(|omissions| omissions.sentences());
+    for sentence in all().take(NOTES) {
         terminal::note(format_args!("note: {sentence}"));
+    }
+    let more = all().count().saturating_sub(NOTES);
+    if more > 0 {
+        terminal::note(format_args!("note: and {more} more like these."));
     }
     if omissions.iter().all(|omissions| omissions.damaged.is_empty()) {
         return Ok(ExitCode::SUCCESS);

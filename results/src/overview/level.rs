@@ -32,6 +32,9 @@ pub struct Level {
     /// Results that one other contradicts.
     #[serde(skip)]
     pub disputed: usize,
+    /// Whether not all of it can be read.
+    #[serde(skip)]
+    pub is_damaged: bool,
     /// Seeds of windows.
     #[serde(skip)]
     pub seeds: Seeds,
@@ -62,6 +65,7 @@ pub struct Seeds {
 
 impl Level {
     pub(super) fn read(reader: &Reader, (level, name, value): (i64, String, f64), omissions: &mut Omissions) -> Self {
+        let damaged = omissions.damaged.len();
         let counts = omissions.read(format_args!("The number of tasks at A = {name} is"), reader.open_tasks(level));
         let windows = omissions.read(format_args!("The windows at A = {name} are"), reader.windows(level));
         let branches = omissions.read(format_args!("The branches at A = {name} are"), reader.branches(level));
@@ -84,6 +88,7 @@ impl Level {
             dead,
             refuted,
             disputed,
+            is_damaged: omissions.damaged.len() > damaged,
             seeds: Seeds { tried, failed },
             is_without_mains: reader.order().is_some(),
         }
@@ -164,11 +169,11 @@ impl Level {
         self.branches.is_empty() && !self.is_without_mains
     }
 
-    /// Whether nothing is left to be done, nothing was given up, nothing contradicted, and there is a main branch, if one is
-    /// followed.
+    /// Whether nothing is left to be done, nothing was given up, nothing contradicted, nothing is damaged, and there is a main branch,
+    /// if one is followed.
     pub fn is_complete(&self) -> bool {
         let is_done = self.pending + self.dead + self.refuted + self.disputed == 0;
-        is_done && (self.is_without_mains || self.main().is_some())
+        is_done && !self.is_damaged && (self.is_without_mains || self.main().is_some())
     }
 
     /// Whether it is complete and every largest amplitude is that of a maximum.

@@ -67,7 +67,7 @@ pub use looked_for::{LookedFor, has_joints};
 pub use merges::merge_verb;
 pub use near_largest::near_largest;
 pub use of_kind::{named, of_kind, undecided_kinds};
-pub use omissions::Omissions;
+pub use omissions::{Omissions, damage_sentence};
 pub use overlooked::{Bounds, overlooked};
 pub use place::undetermined;
 pub use predicted::{Predicted, between_levels, told_threshold};

@@ -1,6 +1,7 @@
 //! What is not there, or damaged, in sentences.
 
 use crate::store::{Reader, Result, StoreError};
+use crate::words::count;
 use std::fmt::Display;
 
 /// What a reading of a run has to leave out.
@@ -39,6 +40,13 @@ impl Omissions {
     pub(crate) fn left_out(&mut self, what: impl Display, why: impl Display) {
         self.damaged.push(format!("{what} left out: {why}."));
     }
+}
+
+/// What is said first of a run whose file is damaged: of so many parts that cannot be read, if there are some.
+pub fn damage_sentence(parts: usize) -> Option<String> {
+    let are = if parts == 1 { "is" } else { "are" };
+    let parts = (parts > 0).then(|| count(parts, "part"))?;
+    Some(format!("The file of the run is damaged: {parts} of it {are} left out, and what was found may be missing."))
 }
 
 /// What is wrong, without the remedy, which is the same for all of them.

@@ -3,7 +3,9 @@
 use super::evidence::Evidence;
 use crate::curves::{Column, Piece};
 use crate::overview::modes::not_started;
-use crate::overview::{Level, amplitude_bound, ends_far_beyond, ends_near, named, stopped, undecided_kinds};
+use crate::overview::{
+    Level, amplitude_bound, damage_sentence, ends_far_beyond, ends_near, named, stopped, undecided_kinds,
+};
 use crate::store::{CurvePoint, CurveRow};
 use crate::words::{count, digits, in_both_units};
 use protocol::to_everyone::Stage;
@@ -39,12 +41,7 @@ impl Loss {
 pub(super) fn losses(evidence: &Evidence<'_>) -> Vec<Loss> {
     let levels = evidence.levels;
     let mut list = Vec::new();
-    if evidence.damaged > 0 {
-        let (parts, are) = (count(evidence.damaged, "part"), if evidence.damaged == 1 { "is" } else { "are" });
-        let sentence =
-            format!("The file of the run is damaged: {parts} of it {are} left out, and what was found may be missing.");
-        list.push(Loss::grave("the file is damaged", sentence));
-    }
+    list.extend(damage_sentence(evidence.damaged).map(|sentence| Loss::grave("the file is damaged", sentence)));
     match evidence.stage {
         Some(Stage::Cancelled) => list.push(Loss::grave("cancelled", "The run was cancelled.")),
         Some(Stage::Finished) => {}

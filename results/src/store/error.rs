@@ -16,6 +16,12 @@ pub enum StoreError {
         /// The file looked for.
         file: PathBuf,
     },
+    /// A file where a folder is to be.
+    #[error("{}: this is a file, not a folder; name another folder for the run", .file.display())]
+    NotAFolder {
+        /// The file.
+        file: PathBuf,
+    },
     /// A run there already.
     #[error(
         "{0}: this folder holds a run already; `isola resume {0}` goes on with it, or name another folder",

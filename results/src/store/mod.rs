@@ -139,12 +139,15 @@ impl Store {
     /// Creates a run in folder `dir`, at the stage where its backbone is computed.
     ///
     /// # Errors
-    /// If there is a run already, another coordinator is about to create one, or the folder cannot be written; nothing
-    /// of the run is left then.
+    /// If there is a run already, another coordinator is about to create one, a file is where a folder is to be, or the folder cannot be
+    /// written; nothing of the run is left then.
     pub fn create(dir: &Path, header: &RunHeader) -> Result<Self> {
         let file = dir.join(FILE);
         if file.exists() {
             return Err(StoreError::Exists { dir: dir.into() });
+        }
+        if let Some(file) = dir.ancestors().find(|folder| folder.is_file()) {
+            return Err(StoreError::NotAFolder { file: file.into() });
         }
         let is_new = !dir.exists();
         fs::create_dir_all(dir).at(dir)?;

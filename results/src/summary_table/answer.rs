@@ -5,9 +5,9 @@ use super::monitors::of_first;
 use super::units::Units;
 use super::{search, stability};
 use crate::overview::{
-    Doubts, Level, amplitude_bound, around_largest, asks_for_harmonics, highest, in_words, largest_stable_sentence,
-    near_largest, passed_over_sentence, truncation_of, turned_sliding, undecided_kinds, unfinished,
-    unstable_peak_sentence,
+    Doubts, Level, amplitude_bound, around_largest, asks_for_harmonics, damage_sentence, highest, in_words,
+    largest_stable_sentence, near_largest, passed_over_sentence, truncation_of, turned_sliding, undecided_kinds,
+    unfinished, unstable_peak_sentence,
 };
 use crate::words::{capitalised, listed};
 use solver::response::branch::BranchKind;
@@ -21,7 +21,8 @@ const TOLD: f64 = 1e-3;
 /// All of it, sentence by sentence.
 pub(super) fn answer(known: &Known, units: Units) -> Vec<String> {
     let levels = known.levels();
-    (search::excitation(known, units).into_iter())
+    (damage_sentence(known.damaged).into_iter())
+        .chain(search::excitation(known, units))
         .chain(unfinished(levels, !known.awaits_backbones))
         .chain(known.doubts.as_deref().map(|doubts| format!("{}.", capitalised(doubts))))
         .chain(amplitude_bound(
@@ -74,7 +75,8 @@ fn isolas(levels: &[Level], only: &str) -> Option<String> {
     let (all, doubt) = (branches().count(), Doubts::about(branches()).sentence());
     let doubt = doubt.map(|doubt| format!(" {doubt}")).unwrap_or_default();
     let found = if all == 1 { "An isola was found" } else { "Isolas were found" };
-    let so_far = if levels.iter().all(Level::is_complete) { "" } else { " so far" };
+    let is_final = |level: &Level| level.is_complete() || level.is_damaged;
+    let so_far = if levels.iter().all(is_final) { "" } else { " so far" };
     let share = match levels.len() {
         1 => String::new(),
         count => format!("{} of {count} levels, ", with.len()),

@@ -42,6 +42,8 @@ pub(super) struct Known {
     pub backbones: Vec<(usize, Option<Backbone>)>,
     /// Whether the backbones are still to come.
     pub awaits_backbones: bool,
+    /// How much of the run cannot be read.
+    pub damaged: usize,
     /// What of a finished run is not known to its end, in a sentence.
     pub doubts: Option<String>,
     /// Which modes were followed and which not.
@@ -81,7 +83,8 @@ impl Known {
         let is_finished = omissions.read("The stage of the run is", reader.stage()) == Some(Stage::Finished);
         let doubts =
             omissions.read("What is not known to its end is", doubts(reader)).flatten().filter(|_| is_finished);
-        Ok(Self {
+        let mut known = Self {
+            damaged: 0,
             others: omissions.read("How far monitored dofs move is", others).unwrap_or_default(),
             further_peaks: omissions.read("Peaks of main branches are", peaks).unwrap_or_default(),
             monitors,
@@ -101,7 +104,9 @@ impl Known {
             is_only_order: !is_further && reader.further_orders()?.is_empty(),
             model,
             overview,
-        })
+        };
+        known.damaged = omissions.damaged.len();
+        Ok(known)
     }
 
     /// Levels, by forcing amplitude.

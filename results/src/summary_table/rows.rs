@@ -299,10 +299,15 @@ impl<'r> Rows<'r> {
         let is_found =
             |window: &&WindowRow| matches!(window.outcome, WindowOutcome::Found(_) | WindowOutcome::Passed { .. });
         let found = level.windows.iter().filter(is_found).count();
-        let mut lines = vec![match level.windows.len() {
-            0 => format!("no window{}", self.without_window(level)),
-            all => format!("{found} of {all}{}", marks.join(" ")),
-        }];
+        let windows = match level.windows.len() {
+            0 if level.is_damaged => None,
+            0 => Some(format!("no window{}", self.without_window(level))),
+            all => Some(format!("{found} of {all}{}", marks.join(" "))),
+        };
+        let mut lines: Vec<String> = windows.into_iter().collect();
+        if level.is_damaged {
+            lines.push(format!("damaged{}", self.notes.mark("not all of the level can be read".into())));
+        }
         lines.extend((level.pending > 0).then(|| format!("{} to come", count(level.pending, "task"))));
         let given_up = || {
             format!(

@@ -148,3 +148,14 @@ fn what_is_not_there_yet() {
         assert!(omissions.missing[1].starts_with("No branch is known at A = "), "{omissions:?}");
     }
 }
+
+/// What cannot be read of a level is neither missing nor not there.
+#[test]
+fn the_closing_table_begins_with_the_damage() {
+    let dir = damaged_run("UPDATE windows SET mode = 'x' WHERE level = (SELECT max(level) FROM levels)");
+    let table = crate::summary_table::table(&Reader::open(dir.path()).unwrap(), Default::default()).unwrap();
+    let said = "The file of the run is damaged: 1 part of it is left out, and what was found may\nbe missing.\n";
+    assert!(table.starts_with(said), "{table}");
+    assert_eq!(table.matches("damaged¹").count(), 1, "{table}");
+    assert!(table.contains("¹ not all of the level can be read") && !table.contains("no window"), "{table}");
+}

@@ -123,6 +123,18 @@ fn a_run_is_not_created_twice() {
 }
 
 #[test]
+fn a_file_is_no_folder_for_a_run() {
+    let dir = tempdir().unwrap();
+    let file = dir.path().join("file");
+    fs::write(&file, "x").unwrap();
+    for folder in [file.clone(), file.join("deeper/run")] {
+        let error = Store::create(&folder, &header()).unwrap_err();
+        assert!(matches!(&error, StoreError::NotAFolder { file: named } if *named == file), "{error}");
+    }
+    assert_eq!(fs::read_to_string(&file).unwrap(), "x");
+}
+
+#[test]
 fn a_run_that_cannot_be_created_leaves_nothing() {
     let (dir, mut header) = (tempdir().unwrap(), header());
     let new = dir.path().join("new");
