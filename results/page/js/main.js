@@ -66,8 +66,8 @@ function fillOrders(orders) {
 function fillHeader({ run, orders, verdict }) {
   fillOrders(orders);
   const stages = {
-    backbone: "the backbone is being computed",
-    sweep: "the levels are being computed",
+    backbone: "its backbone is not computed yet",
+    sweep: "not all of its levels are computed",
     finished: "finished",
     cancelled: "cancelled",
   };

@@ -27,15 +27,15 @@ pub fn reach_sentence(
     let (low, high) = (frequency(low), frequency(high));
     Some(match (given.min, given.max) {
         (None, None) => format!(
-            "Looked at: {low} to {high}, as the resonances at these levels suggest (frequency.min and frequency.max give other bounds); branches and curves \
+            "Looked at: {low} to {high}, as backbones and resonances suggest (frequency.min and frequency.max give other bounds); branches and curves \
              that lead out of there are followed, and isolas may be found beyond; others may lie there."
         ),
         (None, Some(_)) => format!(
-            "Looked at: {low}, as the resonances at these levels suggest (frequency.min gives another lower bound), to {high}, as given; below branches may go \
+            "Looked at: {low}, as backbones and resonances suggest (frequency.min gives another lower bound), to {high}, as given; below branches may go \
              on, above main branches alone, and others may lie there."
         ),
         (Some(_), None) => format!(
-            "Looked at: {low}, as given, to {high}, as the resonances at these levels suggest (frequency.max gives another upper bound); above branches may go \
+            "Looked at: {low}, as given, to {high}, as backbones and resonances suggest (frequency.max gives another upper bound); above branches may go \
              on, below main branches alone, and others may lie there."
         ),
         (Some(_), Some(_)) => {
@@ -68,16 +68,16 @@ mod tests {
         };
         assert_eq!(
             said(None, None).unwrap(),
-            "Looked at: 0.9 rad/s to 1.1 rad/s, as the resonances at these levels suggest (frequency.min and frequency.max give other bounds); branches and \
+            "Looked at: 0.9 rad/s to 1.1 rad/s, as backbones and resonances suggest (frequency.min and frequency.max give other bounds); branches and \
              curves that lead out of there are followed, and isolas may be found beyond; others may lie there."
         );
         // At a bound that was given everything ends.
         assert_eq!(
             said(Some(0.8), None).unwrap(),
-            "Looked at: 0.9 rad/s, as given, to 1.1 rad/s, as the resonances at these levels suggest (frequency.max gives another upper bound); above branches \
+            "Looked at: 0.9 rad/s, as given, to 1.1 rad/s, as backbones and resonances suggest (frequency.max gives another upper bound); above branches \
              may go on, below main branches alone, and others may lie there."
         );
-        let below = "Looked at: 0.9 rad/s, as the resonances at these levels suggest (frequency.min gives another lower bound), to 1.1 rad/s, as given; below \
+        let below = "Looked at: 0.9 rad/s, as backbones and resonances suggest (frequency.min gives another lower bound), to 1.1 rad/s, as given; below \
                      branches may go on,";
         assert!(said(None, Some(1.1)).unwrap().starts_with(below));
         let given = said(Some(0.8), Some(1.3)).unwrap();

@@ -1,6 +1,20 @@
 //! Whether isolas are confirmed: by twice the harmonics, or by time marching.
 
 use crate::store::{BranchRow, Stability};
+use solver::response::certificate::Doubled;
+
+/// A peak at the edge of a range, to rounding.
+const EDGE: f64 = 1e-9;
+
+/// Peak and ends of a branch with twice the harmonics, as far as they are its own. They are looked for one by one: of an isola near most of
+/// whose points no motion was found they may be of several curves, or of the main branch, as they are where the peak lies beyond the ends.
+pub(super) fn doubled(row: &BranchRow) -> Option<Doubled> {
+    let doubled = row.certificate.doubled?;
+    let is_scattered = row.is_isola() && row.certificate.elsewhere.is_some_and(|change| change.share.is_none());
+    let omega = row.omega_at_max * (1.0 + doubled.shift);
+    let is_inside = doubled.range.is_none_or(|(low, high)| (low * (1.0 - EDGE)..=high * (1.0 + EDGE)).contains(&omega));
+    Some(doubled).filter(|_| !is_scattered && is_inside)
+}
 
 /// Whether nothing confirms an isola: no peak like its own was found with twice the harmonics, no motion near it by time marching,
 /// and nothing elsewhere on it that is stable or not.
@@ -9,7 +23,7 @@ pub fn is_unconfirmed(row: &BranchRow) -> bool {
         let peak = stability.peak.as_ref();
         stability.stable == 0.0 && stability.unstable == 0.0 && peak.is_some_and(|peak| peak.verdict == "none")
     };
-    row.is_isola() && row.certificate.doubled.is_none() && row.stability.as_ref().is_some_and(is_unmatched)
+    row.is_isola() && doubled(row).is_none() && row.stability.as_ref().is_some_and(is_unmatched)
 }
 
 /// Whether no peak like that of an isola was found with twice the harmonics, and time marching did not find it or cannot tell. Motions
@@ -19,7 +33,7 @@ pub fn is_unmatched(row: &BranchRow) -> bool {
         stability.peak.as_ref().is_some_and(|peak| !["none", "not_comparable"].contains(&peak.verdict.as_str()))
     };
     // The first programs did not look with twice the harmonics.
-    let is_lost = row.certificate.doubled.is_none() && row.peak_standing.is_some();
+    let is_lost = doubled(row).is_none() && row.peak_standing.is_some();
     row.is_isola() && is_lost && !row.stability.as_ref().is_some_and(is_marched)
 }
 
@@ -67,12 +81,29 @@ impl Doubts {
 mod tests {
     use super::*;
     use crate::store::PeakOrbit;
-    use solver::response::certificate::{Certificate, Doubled, Standing};
+    use solver::response::certificate::{Certificate, Change, Standing};
 
     fn row(kind: &str, amplitude_2h: Option<f64>) -> BranchRow {
         let doubled = amplitude_2h.map(|amplitude| Doubled { amplitude, shift: 0.0, range: None });
         let certificate = Certificate { doubled, ..Certificate::default() };
         BranchRow { kind: kind.into(), closed: kind == "isola", certificate, ..BranchRow::default() }
+    }
+
+    /// Peak and ends that belong to several curves are no isola.
+    #[test]
+    fn what_is_scattered_over_curves_confirms_nothing() {
+        let found = Doubled { amplitude: 0.9, shift: 0.01, range: Some((1.9, 2.1)) };
+        let isola = |found: Doubled, share: Option<f64>| {
+            let elsewhere = Some(Change { omega: 2.0, share });
+            let certificate = Certificate { doubled: Some(found), elsewhere, ..Certificate::default() };
+            BranchRow { certificate, omega_at_max: 2.0, ..row("isola", None) }
+        };
+        assert_eq!(doubled(&isola(found, Some(0.1))), Some(found));
+        assert_eq!(doubled(&isola(found, None)), None);
+        assert_eq!(doubled(&isola(Doubled { shift: 0.06, ..found }, Some(0.1))), None);
+        assert_eq!(doubled(&BranchRow { kind: "main".into(), ..isola(found, None) }), Some(found));
+        let lost = BranchRow { peak_standing: Some(Standing::At), ..isola(found, None) };
+        assert!(is_unmatched(&lost));
     }
 
     #[test]

@@ -1,5 +1,6 @@
 //! How far twice the harmonics move branches where they are not largest.
 
+use super::confirmed::doubled;
 use super::level::Level;
 use crate::store::BranchRow;
 use crate::words::digits;
@@ -38,7 +39,7 @@ pub(super) fn elsewhere<'l>(
 /// penetrate, and the remedy.
 pub(super) fn not_found<'l>(rows: impl Iterator<Item = (&'l Level, &'l BranchRow)>, remedy: &str) -> Option<String> {
     let is_lost = |row: &BranchRow| {
-        row.certificate.doubled.is_none() && row.certificate.elsewhere.is_some_and(|change| change.share.is_none())
+        doubled(row).is_none() && row.certificate.elsewhere.is_some_and(|change| change.share.is_none())
     };
     let lost: Vec<(&Level, &BranchRow)> = rows.filter(|(_, row)| is_lost(row)).collect();
     let (level, row) = lost.first()?;

@@ -59,6 +59,9 @@ impl Unforced {
     }
 }
 
+/// What is said of motions that no force drives.
+const UNLISTED: &str = " Such motions have a period of their own and are not listed; where no periodic response is stable the structure may come to them.";
+
 /// Mean kinetic energy of a motion, J.
 fn kinetic(at: &BackbonePoint) -> f64 {
     let state = &at.point.state;
@@ -102,19 +105,22 @@ impl Excitation {
             let balances: Vec<Option<f64>> = excited.iter().map(balance).collect();
             let is_driven = balances.iter().any(|balance| balance.is_some_and(|balance| balance < 0.0));
             let is_held = balances.iter().all(|balance| balance.is_some_and(|balance| balance > 0.0));
-            let so = match (is_driven, is_held) {
-                (true, _) => ": the structure can vibrate by itself, from rest and without forcing",
-                (_, true) => ", of which the laws take more at small amplitudes",
-                _ => ": unless the laws take more, the structure can vibrate by itself, from rest and without forcing",
+            let (so, unlisted) = match (is_driven, is_held) {
+                (true, _) => (": the structure can vibrate by itself, from rest and without forcing", UNLISTED),
+                (_, true) => (", of which the laws take more at small amplitudes", ""),
+                _ => (
+                    ": unless the laws take more, the structure can vibrate by itself, from rest and without forcing",
+                    UNLISTED,
+                ),
             };
-            return Some(format!("{} {has} negative linear damping{so}.", capitalised(&modes(excited))));
+            return Some(format!("{} {has} negative linear damping{so}.{unlisted}", capitalised(&modes(excited))));
         }
         let fed: Vec<usize> = known.iter().filter(|motion| motion.is_fed_at_rest).map(|motion| motion.mode).collect();
         if !fed.is_empty() {
             let (into, their) = (modes(&fed), if fed.len() == 1 { "its" } else { "their" });
             return Some(format!(
                 "At small amplitudes the nonlinear forces feed more energy into {into} than {their} damping takes: the \
-                 structure can vibrate by itself, from rest and without forcing."
+                 structure can vibrate by itself, from rest and without forcing.{UNLISTED}"
             ));
         }
         let pushed = known.iter().filter_map(|motion| Some((motion, motion.fed_from?)));
@@ -124,8 +130,7 @@ impl Excitation {
                 false => "the nonlinear forces feed in more energy than the damping takes",
             };
             return Some(format!(
-                "Pushed just beyond motions of mode {} of about {} at {}, the structure can vibrate by itself, without forcing: there {why}. \
-                 Such motions have a period of their own and are not listed.",
+                "Pushed just beyond motions of mode {} of about {} at {}, the structure can vibrate by itself, without forcing: there {why}.{UNLISTED}",
                 motion.mode + 1,
                 length(amplitude),
                 rate(omega)

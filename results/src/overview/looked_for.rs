@@ -70,7 +70,10 @@ impl LookedFor<'_> {
     /// The same in short: what was done, and that nothing else was; `next` says how to look for motions of other periods.
     pub fn brief(&self, next: Option<String>) -> String {
         let (with, none) = self.windows();
-        let windows = none.map_or_else(|| with.clone(), |none| format!("{with} ({none})"));
+        let (complete, all) = (self.complete(), self.levels.len());
+        let so_far = (complete < all).then(|| format!("completely at {complete} of {}", count(all, "level")));
+        let more: Vec<String> = none.into_iter().chain(so_far).collect();
+        let windows = if more.is_empty() { with } else { format!("{with} ({})", more.join("; ")) };
         let starts = match (self.search.starts, self.search.fewest) {
             (0, _) => None,
             (number, 0) => Some(format!("{} (none at some levels)", count(number, "random start"))),
@@ -80,9 +83,9 @@ impl LookedFor<'_> {
         let folds = (self.curves > 0).then(|| count(self.curves, "fold curve"));
         let ways: Vec<String> = std::iter::once(windows).chain(starts).chain(homotopies).chain(folds).collect();
         let alone = if ways.len() == 1 { " alone" } else { "" };
-        let folds = self.why_no_folds.map_or_else(String::new, |why| format!("; folds were not followed ({why})"));
+        let folds = self.folds_not_followed();
         let modes: String =
-            self.modes.into_iter().flat_map(modes::too_many).map(|modes| format!("; not of {modes}")).collect();
+            self.modes.into_iter().flat_map(modes::unlisted).map(|modes| format!("; not of {modes}")).collect();
         format!(
             "Looked for: {}{alone}{modes}{folds}{}; an isola to which none of these leads is not found, nor one of {}{}.{}",
             ways.join(", "),
@@ -91,6 +94,20 @@ impl LookedFor<'_> {
             next.map_or_else(String::new, |next| format!(" ({next})")),
             self.stuck()
         )
+    }
+
+    /// Number of levels of which all is known.
+    fn complete(&self) -> usize {
+        self.levels.iter().filter(|level| level.is_complete()).count()
+    }
+
+    /// Which folds were not followed over the forcing.
+    fn folds_not_followed(&self) -> String {
+        match self.why_no_folds {
+            Some(why) => format!("; folds were not followed ({why})"),
+            None => not_followed(self.search.hanging)
+                .map_or_else(String::new, |folds| format!("; {folds} were not followed over the forcing")),
+        }
     }
 
     fn stuck(&self) -> &'static str {
@@ -131,7 +148,7 @@ impl LookedFor<'_> {
 
     /// Where isolas were looked for: `the windows of mode 1 at 7 levels (12 seeds tried, 2 without a branch near them)`.
     fn searched(&self) -> String {
-        let complete = self.levels.iter().filter(|level| level.is_complete()).count();
+        let complete = self.complete();
         let tried: usize = self.levels.iter().map(|level| level.seeds.tried).sum();
         let failed: usize = self.levels.iter().map(|level| level.seeds.failed).sum();
         let harmonic = match self.harmonic {
@@ -210,12 +227,7 @@ impl LookedFor<'_> {
         } else {
             format!("neither an energy balance of {mode} nor a fold curve leads")
         };
-        let folds = match self.why_no_folds {
-            Some(why) => format!("; folds were not followed ({why})"),
-            None => not_followed(self.search.hanging)
-                .map_or_else(String::new, |folds| format!("; {folds} were not followed over the forcing")),
-        };
-        let folds = folds + &self.beyond_backbones();
+        let folds = self.folds_not_followed() + &self.beyond_backbones();
         match self.search.starts {
             0 => format!("isolas {modes}of {harmonics}{beside} and those to which {leads} were not looked for{folds}"),
             _ => {
@@ -369,6 +381,7 @@ mod tests {
         let said = told.brief(None);
         for part in [
             "64 random starts (none at some levels)",
+            "; not of mode 4 (far above the primary mode or far from given bounds, and followed only if backbone.modes lists it)",
             "; not of mode 3 (more than are followed",
             "; folds were not followed (a law has a corner)",
             "; the backbone of mode 1 ends at A* = 2.5, and no window beyond was looked for (this run began with smaller levels: a sweep of its own with all \
@@ -377,7 +390,17 @@ mod tests {
         ] {
             assert!(said.contains(part), "{said}");
         }
-        assert!(!said.contains("mode 4"), "{said}");
+        // Folds that are never followed, and levels that are still to come.
+        let mut levels = levels.clone();
+        levels[0].pending = 1;
+        let mut told = looked_for(&levels, &[1]);
+        told.search.hanging = 2;
+        let said = told.brief(None);
+        assert!(said.contains(&format!("(completely at {} of {} level", levels.len() - 1, levels.len())), "{said}");
+        assert!(
+            said.contains("; folds of 2 branches that branch off others were not followed over the forcing;"),
+            "{said}"
+        );
         let several = looked_for(&levels, &[1, 3]).brief(None);
         assert!(several.ends_with("nor one of other periods (than 1, 3 of the force)."), "{several}");
     }

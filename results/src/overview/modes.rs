@@ -19,7 +19,13 @@ const REASONS: [Reason; 6] = [
         ["a rigid body but for laws, without a backbone", "rigid bodies but for laws, without backbones"],
     ),
     (|why| *why == LeftOut::Overdamped, ["overdamped: it does not oscillate", "overdamped: they do not oscillate"]),
-    (|why| *why == LeftOut::OutOfRange, ["out of reach of the frequency range"; 2]),
+    (
+        |why| *why == LeftOut::OutOfRange,
+        [
+            "far above the primary mode or far from given bounds, and followed only if backbone.modes lists it",
+            "far above the primary mode or far from given bounds, and followed only if backbone.modes lists them",
+        ],
+    ),
     (|why| *why == LeftOut::TooMany, ["more than are followed unless backbone.modes lists them"; 2]),
     (|why| matches!(why, LeftOut::NotStarted(_)), ["its backbone does not start", "their backbones do not start"]),
 ];
@@ -29,9 +35,9 @@ pub fn left_out(choice: &ModesFollowed) -> Vec<String> {
     for_reasons(choice, |_| true)
 }
 
-/// Those of them that the number of modes leaves out, which a list of modes brings back.
-pub fn too_many(choice: &ModesFollowed) -> Vec<String> {
-    for_reasons(choice, |why| *why == LeftOut::TooMany)
+/// Those of them that a list of modes brings back.
+pub fn unlisted(choice: &ModesFollowed) -> Vec<String> {
+    for_reasons(choice, |why| matches!(why, LeftOut::OutOfRange | LeftOut::TooMany))
 }
 
 fn for_reasons(choice: &ModesFollowed, is_wanted: impl Fn(&LeftOut) -> bool) -> Vec<String> {
@@ -78,8 +84,8 @@ mod tests {
         let choice = ModesFollowed { followed: vec![0, 2], left_out };
         assert_eq!(
             sentence(&choice, true).unwrap(),
-            "Windows of modes 1 and 3 were looked for; not mode 40 (a rigid body but for laws, without a backbone), mode 2 (out of \
-             reach of the frequency range), modes 4 to 39 (more than are followed unless backbone.modes lists them)."
+            "Windows of modes 1 and 3 were looked for; not mode 40 (a rigid body but for laws, without a backbone), mode 2 (far above the primary mode or far from given bounds, and \
+             followed only if backbone.modes lists it), modes 4 to 39 (more than are followed unless backbone.modes lists them)."
         );
         // Whatever holds it, its resonance may lie below what is looked at.
         let held = ModesFollowed { followed: vec![1], left_out: vec![(0, LeftOut::RigidBody)] };

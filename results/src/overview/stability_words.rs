@@ -1,8 +1,9 @@
 //! How the stability of responses is worded: in terminal and report, on the page and in figures, and in `COLUMNS.md`.
 
 use super::BranchRow;
+use super::level::Level;
 use crate::store::Stability;
-use crate::words::shares;
+use crate::words::{listed_first, shares};
 
 /// What time marching says of a response.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -47,7 +48,11 @@ const CLASSES: [&str; 6] = [
     "not verified",
 ];
 const STABLE_IN_PARTS: usize = 1;
+const UNSTABLE: usize = 2;
 const UNVERIFIED: usize = 5;
+
+/// Levels that are named.
+const NAMED: usize = 6;
 
 /// Branches of a kind by what is known of their stability.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -80,14 +85,23 @@ pub(super) fn by_marching(row: &BranchRow) -> String {
     format!("{around}{}", CLASSES[class(row)])
 }
 
-/// Of these branches, called so; `around`: what of them alone was looked at. `None` if nothing was verified.
-pub fn stability_of(rows: &[&BranchRow], [one, several]: [&str; 2], around: &str) -> Option<StabilityOf> {
+/// Of these branches, called so, with the levels of those that are stable nowhere; `around`: what of them alone was looked at. `None` if
+/// nothing was verified.
+pub fn stability_of(rows: &[(&Level, &BranchRow)], [one, several]: [&str; 2], around: &str) -> Option<StabilityOf> {
     let mut counts = [0; CLASSES.len()];
-    rows.iter().for_each(|row| counts[class(row)] += 1);
+    rows.iter().for_each(|(_, row)| counts[class(row)] += 1);
     if counts[UNVERIFIED] == rows.len() {
         return None;
     }
-    let found: Vec<(usize, &str)> = counts.into_iter().zip(CLASSES).filter(|(count, _)| *count > 0).collect();
+    let mut unstable: Vec<String> =
+        rows.iter().filter(|(_, row)| class(row) == UNSTABLE).map(|(level, _)| level.amplitude.clone()).collect();
+    unstable.dedup();
+    let mut found: Vec<(usize, String)> = counts.into_iter().zip(CLASSES.map(String::from)).collect();
+    let are_of_several = rows.iter().any(|(level, _)| level.amplitude != rows[0].0.amplitude);
+    if are_of_several && counts[UNSTABLE] < rows.len() && !unstable.is_empty() {
+        found[UNSTABLE].1 += &format!(" (A = {})", listed_first(unstable, NAMED));
+    }
+    found.retain(|(count, _)| *count > 0);
     let told = match (rows, &found[..]) {
         ([_], [(_, class), ..]) => format!("the {one}{around} is {class}"),
         _ => shares(&format!("{several}{around}"), &found),
@@ -99,6 +113,24 @@ pub fn stability_of(rows: &[&BranchRow], [one, several]: [&str; 2], around: &str
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn levels_at_which_nothing_is_stable_are_named() {
+        let row = |stable| {
+            let known = Stability { is_whole: true, stable, unstable: 1.0 - stable, ..Stability::default() };
+            BranchRow { stability: Some(known), ..BranchRow::default() }
+        };
+        let level = |name: &str| Level { amplitude: name.into(), ..Level::default() };
+        let (levels, rows) = (["1", "2", "3"].map(level), [row(0.0), row(0.5), row(0.0)]);
+        let pairs: Vec<(&Level, &BranchRow)> = levels.iter().zip(&rows).collect();
+        let told = |pairs: &[(&Level, &BranchRow)]| stability_of(pairs, ["isola", "isolas"], "").unwrap().told;
+        assert_eq!(
+            told(&pairs),
+            "of 3 isolas 1 is stable in parts, 2 are unstable wherever it could tell (A = 1 and 3)"
+        );
+        let same = [(&levels[0], &rows[0]), (&levels[0], &rows[1])];
+        assert!(told(&same).ends_with("1 is unstable wherever it could tell"), "{}", told(&same));
+    }
 
     #[test]
     fn a_branch_is_told_as_far_as_it_was_looked_at() {

@@ -4,6 +4,7 @@
 #[cfg(test)]
 mod tests;
 
+use super::confirmed::doubled;
 use super::elsewhere::{CONVERGED, elsewhere, not_found};
 use super::level::Level;
 use super::penetration::deepest;
@@ -113,11 +114,10 @@ fn of_widths<'l, I: Iterator<Item = (&'l Level, &'l BranchRow)>>(
 ) -> Option<String> {
     let width = |(low, high): (f64, f64)| high - low;
     let change = |row: &BranchRow| {
-        let change = width(row.certificate.doubled?.range?) / width(row.omega) - 1.0;
+        let change = width(doubled(row)?.range?) / width(row.omega) - 1.0;
         (row.is_isola() && change.is_finite()).then_some(change)
     };
-    let is_lost =
-        |row: &BranchRow| row.is_isola() && row.certificate.doubled.is_some_and(|doubled| doubled.range.is_none());
+    let is_lost = |row: &BranchRow| row.is_isola() && doubled(row).is_some_and(|doubled| doubled.range.is_none());
     let lost = match rows().filter(|(_, row)| is_lost(row)).count() {
         0 => "",
         1 => " With twice the harmonics the ends of one isola were not found.",
@@ -150,7 +150,7 @@ fn of_peaks<'l, I: Iterator<Item = (&'l Level, &'l BranchRow)>>(
 ) -> Option<String> {
     let is_known = rows().any(|(_, row)| change(row).is_some());
     // Not computed where the peak is no maximum, nor by the first programs; otherwise nothing like it was found with more harmonics.
-    let is_lost = |row: &BranchRow| has_maximum(row) && row.certificate.doubled.is_none();
+    let is_lost = |row: &BranchRow| has_maximum(row) && doubled(row).is_none();
     let lost = rows().filter(|(_, row)| is_lost(row) && (is_known || row.peak_standing.is_some()));
     let lost: Vec<String> =
         lost.map(|(level, row)| format!("{} at A = {}", super::in_words(row), level.amplitude)).collect();
@@ -163,7 +163,7 @@ fn of_peaks<'l, I: Iterator<Item = (&'l Level, &'l BranchRow)>>(
         let those = if lost.len() == 1 { "that" } else { "those" };
         let named = lost[..lost.len().min(NAMED)].join(", ");
         return Some(format!(
-            "{NOT_CONVERGED}: with twice the harmonics no peak was found near {those} of {named}{more}{remedy}."
+            "{NOT_CONVERGED}: with twice the harmonics no peak is confirmed near {those} of {named}{more}{remedy}."
         ));
     }
     let changes = rows().filter_map(|(level, row)| Some((level, row, change(row)?)));
@@ -215,7 +215,7 @@ fn peaks_of<'l>(monitor: Option<&str>, rows: impl Iterator<Item = &'l BranchRow>
     let rows: Vec<&BranchRow> = rows.filter(is_counted).collect();
     let (known, all) = (rows.iter().filter(|row| change(row).is_some()).count(), rows.len());
     if known < all {
-        return format!("{peaks} that are known, of {known} of {all} branches,");
+        return format!("{peaks} that were compared, of {known} of {all} branches,");
     }
     peaks
 }
@@ -228,6 +228,11 @@ fn unchanged(what: &str, harmonics: usize) -> String {
 /// Whether a sentence of [`truncation`] asks for more harmonics.
 pub fn asks_for_harmonics(sentence: &str) -> bool {
     sentence.contains("set harmonics.count")
+}
+
+/// Whether no peak of a branch is confirmed with twice the harmonics, though they were tried.
+pub fn is_peak_lost(row: &BranchRow) -> bool {
+    has_maximum(row) && doubled(row).is_none() && row.certificate.elsewhere.is_some()
 }
 
 /// Whether the peak of a branch changes with twice the harmonics, or none is found near it.
@@ -243,7 +248,7 @@ fn has_maximum(row: &BranchRow) -> bool {
 
 /// Relative changes of the amplitude and of the frequency of a peak with twice the harmonics.
 fn change(row: &BranchRow) -> Option<[f64; 2]> {
-    let doubled = row.certificate.doubled?;
+    let doubled = doubled(row)?;
     let change = doubled.amplitude / row.amplitude_max - 1.0;
     let shift = if change.abs() < SAME_AMPLITUDE { 0.0 } else { doubled.shift };
     (change.is_finite() && shift.is_finite()).then_some([change, shift])

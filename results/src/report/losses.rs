@@ -4,18 +4,11 @@ use super::evidence::Evidence;
 use crate::curves::{Column, Piece};
 use crate::overview::modes::not_started;
 use crate::overview::{
-    Level, amplitude_bound, damage_sentence, ends_far_beyond, ends_near, named, stopped, undecided_kinds,
+    Level, amplitude_bound, cut_mains, damage_sentence, ends_far_beyond, ends_near, named, stopped, undecided_kinds,
+    unknown_events, unknown_sentence,
 };
-use crate::store::{CurvePoint, CurveRow};
-use crate::words::{count, digits, in_both_units};
+use crate::words::{count, in_both_units};
 use protocol::to_everyone::Stage;
-use solver::response::critical::CriticalKind;
-
-/// Levels that a sentence names.
-const NAMED: usize = 6;
-
-/// Relative distance from a located event within which one of unknown kind is the same.
-const UNLOCATED: f64 = 1e-4;
 
 /// Something that is not known.
 pub(super) struct Loss {
@@ -85,6 +78,8 @@ pub(super) fn losses(evidence: &Evidence<'_>) -> Vec<Loss> {
     list.extend(bound.map(|sentence| Loss::grave("larger responses not followed", sentence)));
     let undecided = undecided_kinds(levels, |size| evidence.length(size));
     list.extend(undecided.into_iter().map(|(brief, sentence)| Loss::grave(brief, sentence)));
+    let cut = cut_mains(levels, evidence.given);
+    list.extend(cut.map(|(brief, sentence)| Loss::grave(brief, sentence)));
     let highest = levels.iter().map(|level| level.value).fold(f64::NEG_INFINITY, f64::max);
     for backbone in evidence.backbones() {
         let matters = |piece: &&Piece| {
@@ -105,7 +100,7 @@ pub(super) fn losses(evidence: &Evidence<'_>) -> Vec<Loss> {
     }
     for (mode, reason) in evidence.modes.into_iter().flat_map(not_started) {
         let brief = format!("no backbone of mode {}", mode + 1);
-        list.push(Loss::new(
+        list.push(Loss::grave(
             brief,
             format!("There is no backbone of mode {}, nor are there windows of it: {reason}.", mode + 1),
         ));
@@ -117,21 +112,21 @@ pub(super) fn losses(evidence: &Evidence<'_>) -> Vec<Loss> {
         let sentence = format!("{curves} stopped early: births, merges and isolas beyond are not known.");
         list.push(Loss::grave(format!("{curves} stopped early"), sentence));
     }
-    let (among, _) = unknown_events(evidence);
+    let (among, _) = unknown_events(evidence.curves, levels);
     if !among.is_empty() {
         let brief = format!("{} of unknown kind", count(among.len(), "event"));
-        list.push(Loss::new(brief, unknown_kind(&among)));
+        list.push(Loss::new(brief, unknown_sentence(&among, in_both_units)));
     }
     let search = &evidence.search;
     if search.unfollowed > 0 {
         let brief = format!("{} not followed", count(search.unfollowed, "fold"));
         let sentence = format!("{brief} over the forcing: what isolas {} is not known.", led_to(search.unfollowed));
-        list.push(Loss::new(brief, sentence));
+        list.push(Loss::grave(brief, sentence));
     }
     if search.lost > 0 {
         let brief = format!("{} of curves over the forcing led nowhere", count(search.lost, "crossing"));
         let sentence = format!("{brief}: the branches there are missing.");
-        list.push(Loss::new(brief, sentence));
+        list.push(Loss::grave(brief, sentence));
     }
     if search.uncrossed > 0 {
         let brief = format!("nothing found at {}", count(search.uncrossed, "possible branch point"));
@@ -141,7 +136,7 @@ pub(super) fn losses(evidence: &Evidence<'_>) -> Vec<Loss> {
     if search.uncarried > 0 {
         let brief = format!("{} of open branches not followed over all levels", count(search.uncarried, "response"));
         let sentence = format!("{brief}: where such branches are at other levels is not known.");
-        list.push(Loss::new(brief, sentence));
+        list.push(Loss::grave(brief, sentence));
     }
     if search.left_out > 0 && evidence.stage == Some(Stage::Finished) {
         let folds = count(search.left_out, "fold");
@@ -149,7 +144,7 @@ pub(super) fn losses(evidence: &Evidence<'_>) -> Vec<Loss> {
             "The search ended at its limit (search.effort), {folds} not followed: what isolas {} is not known.",
             led_to(search.left_out)
         );
-        list.push(Loss::new("search ended at its limit", sentence));
+        list.push(Loss::grave("search ended at its limit", sentence));
     }
     if search.unverified > 0 {
         let brief = format!("{} given up", count(search.unverified, "verification"));
@@ -199,41 +194,10 @@ fn by_reason<'r, R: PartialEq>(all: impl Iterator<Item = (R, &'r Level)>) -> Vec
     groups
 }
 
-/// What happens along fold curves of which it is not known what it is: among the levels, and beyond them.
-fn unknown_events<'r>(evidence: &Evidence<'r>) -> (Vec<&'r CurvePoint>, Vec<&'r CurvePoint>) {
-    let events = || evidence.curves.iter().flat_map(CurveRow::events);
-    let is_unknown = |kind: &str| kind == CriticalKind::Unknown.name();
-    // The same extremum may be known: what is unknown is not located to rounding.
-    let are_close = |one: &CurvePoint, other: &CurvePoint| {
-        let is_close = |a: f64, b: f64| (a / b - 1.0).abs() < UNLOCATED;
-        is_close(one.forcing, other.forcing) && is_close(one.omega, other.omega)
-    };
-    let is_told = |place: &CurvePoint| events().any(|(kind, point)| !is_unknown(kind) && are_close(point, place));
-    let all = events().filter(|(kind, point)| is_unknown(kind) && !is_told(point)).map(|(_, point)| point);
-    // Several curves may come by one, as those of motions that are mirror images of each other do.
-    let mut unknown: Vec<&CurvePoint> = Vec::new();
-    for point in all {
-        if !unknown.iter().any(|known| are_close(known, point)) {
-            unknown.push(point);
-        }
-    }
-    let values = || evidence.levels.iter().map(|level| level.value);
-    let (low, high) = (values().fold(f64::INFINITY, f64::min), values().fold(0.0, f64::max));
-    unknown.into_iter().partition(|point| (low..=high).contains(&point.forcing))
-}
-
-/// The same beyond the levels, in a sentence.
+/// What happens beyond the levels, and what it is is not known, in a sentence.
 pub(super) fn unknown_beyond(evidence: &Evidence<'_>) -> Option<String> {
-    let (_, beyond) = unknown_events(evidence);
-    (!beyond.is_empty()).then(|| format!("Beyond the levels: {}", unknown_kind(&beyond)))
-}
-
-fn unknown_kind(events: &[&CurvePoint]) -> String {
-    let place = |point: &&CurvePoint| format!("{} ({})", digits(point.forcing, 5), in_both_units(point.omega));
-    let at: Vec<String> = events.iter().take(NAMED).map(place).collect();
-    let more = if events.len() > NAMED { ", …" } else { "" };
-    let at = at.join(", ");
-    format!("What happens along fold curves at A = {at}{more} is not known: a birth, a merge or neither.")
+    let (_, beyond) = unknown_events(evidence.curves, evidence.levels);
+    (!beyond.is_empty()).then(|| format!("Beyond the levels: {}", unknown_sentence(&beyond, in_both_units)))
 }
 
 /// Something that levels have.

@@ -108,12 +108,19 @@ impl<'r> Evidence<'r> {
     fn compared(&self, gain: &Gain<'_>) -> String {
         let (Gain { level, isola, main, is_whole, .. }, [yes, who], ratio) = (gain, gain.begins(), gain.ratio());
         let amplitude = &level.amplitude;
+        // What goes up farther than the main branch, or is not converged, leaves that open.
+        let is_largest =
+            around_largest(main)[1].is_empty() && !level.others().any(|other| other.amplitude_max > main.amplitude_max);
+        let largest = match is_largest {
+            true => ", but not the largest response",
+            false => "; whether the largest response as well is not known",
+        };
         let isolas = if self.is_one_isola() { "isola" } else { "isolas" };
         let goes = format!("{} at {}{}", self.size(isola), self.frequency(isola.omega_at_max), self.stable_part(isola));
         if !is_whole {
             let stops = format!("{}{}", self.length(main.amplitude_max), around_largest(main)[1]);
             let all = match (ratio >= 1.0, yes) {
-                (false, _) => format!("{yes}, the {isolas}, but not the largest response"),
+                (false, _) => format!("{yes}, the {isolas}{largest}"),
                 (true, "Yes") => format!("The {isolas}, yes; by how much is not known"),
                 (true, _) => format!("{yes}; by how much is not known"),
             };
@@ -132,7 +139,7 @@ impl<'r> Evidence<'r> {
                 (ratio - 1.0) * 100.0
             ),
             ratio => format!(
-                "{yes}, the {isolas}, but not the largest response: at A = {amplitude} the main branch goes up to {stops}, an isola \
+                "{yes}, the {isolas}{largest}: at A = {amplitude} the main branch goes up to {stops}, an isola \
                  up to {goes}, {:.0} % less.",
                 (1.0 - ratio) * 100.0
             ),

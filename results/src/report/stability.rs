@@ -20,7 +20,8 @@ const TOLD: f64 = 0.005;
 impl Evidence<'_> {
     /// Whether isolas can be settled on, of one of them and all of them, and what leads there.
     pub(super) fn stability_of_isolas(&self) -> Vec<String> {
-        let isolas: Vec<&BranchRow> = self.levels.iter().flat_map(Level::isolas).collect();
+        let isolas: Vec<(&Level, &BranchRow)> =
+            self.levels.iter().flat_map(|level| level.isolas().map(move |row| (level, row))).collect();
         let Some(StabilityOf { told, stable, known }) = stability_of(&isolas, ["isola", "isolas"], "") else {
             return vec!["Whether isolas are stable and what leads there was not verified.".into()];
         };
@@ -31,7 +32,7 @@ impl Evidence<'_> {
         };
         let found = format!("By time marching, {told}{settling}");
         match self.what_leads_there() {
-            None if isolas.iter().all(|isola| has_no_stable_part(isola)) => {
+            None if isolas.iter().all(|(_, isola)| has_no_stable_part(isola)) => {
                 vec![format!(
                     "{found}; isola disturb pushes onto what is known to be stable of isolas, and there is none."
                 )]

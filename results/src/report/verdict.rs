@@ -39,7 +39,12 @@ pub fn verdict(evidence: &Evidence<'_>) -> [Sentence; 3] {
     let first = evidence.not_converged();
     let others = first.as_ref().map(|_| NOT_CONVERGED.to_string());
     let lead = |lost: &Option<String>, truncated: Option<String>| {
-        let all: Vec<String> = lost.iter().filter(|_| is_grave).cloned().chain(truncated).collect();
+        let lost = lost.iter().filter(|_| is_grave).cloned();
+        let all: Vec<String> = match evidence.stage {
+            // What is not converged may be all wrong; what is not done is worse.
+            Some(Stage::Finished) => truncated.into_iter().chain(lost).collect(),
+            _ => lost.chain(truncated).collect(),
+        };
         (!all.is_empty()).then(|| all.join(" "))
     };
     let lost = |lost: &Option<String>| lost.clone().filter(|_| !is_grave);
@@ -164,10 +169,15 @@ impl<'r> Evidence<'r> {
                     .is_of_windows_alone()
                     .then_some("Isolas were looked for in windows of the energy balance alone.");
                 let beside = self.overlooked().map(|there| format!("Along fold curves {there}, where none was found."));
+                // Isolas of other ranges do not go up so far.
+                let place = match ranges.len() {
+                    1 => String::new(),
+                    _ => format!(", at {}", self.frequency(highest.omega_at_max)),
+                };
                 let more = doubt.into_iter().chain(alone).map(String::from).chain(beside).collect::<Vec<_>>().join(" ");
                 parts.push(format!(
                     "Between {}{}: there an isola, a closed branch apart from the main one, is another periodic response at \
-                     the same forcing, with up to {}{}.{}",
+                     the same forcing, with up to {}{place}{}.{}",
                     in_words(&ranges, self.units.frequency),
                     over(&self.with_isolas().collect::<Vec<_>>()),
                     at_monitor(highest),

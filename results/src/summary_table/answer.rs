@@ -5,7 +5,7 @@ use super::monitors::of_first;
 use super::units::Units;
 use super::{search, stability};
 use crate::overview::{
-    Doubts, Level, amplitude_bound, around_largest, asks_for_harmonics, damage_sentence, highest, in_words,
+    Doubts, Level, amplitude_bound, around_largest, asks_for_harmonics, cut_mains, damage_sentence, highest, in_words,
     largest_stable_sentence, near_largest, passed_over_sentence, truncation_of, turned_sliding, undecided_kinds,
     unfinished, unstable_peak_sentence,
 };
@@ -24,6 +24,12 @@ pub(super) fn answer(known: &Known, units: Units) -> Vec<String> {
     (damage_sentence(known.damaged).into_iter())
         .chain(search::excitation(known, units))
         .chain(unfinished(levels, !known.awaits_backbones))
+        .chain(
+            truncation_of(known.model.as_ref(), levels, known.settings.as_ref(), known.is_further, |omega| {
+                units.frequency.told(omega)
+            })
+            .filter(|said| asks_for_harmonics(said)),
+        )
         .chain(known.doubts.as_deref().map(|doubts| format!("{}.", capitalised(doubts))))
         .chain(amplitude_bound(
             levels,
@@ -38,12 +44,7 @@ pub(super) fn answer(known: &Known, units: Units) -> Vec<String> {
                 .into_iter()
                 .map(|(_, sentence)| sentence),
         )
-        .chain(
-            truncation_of(known.model.as_ref(), levels, known.settings.as_ref(), known.is_further, |omega| {
-                units.frequency.told(omega)
-            })
-            .filter(|said| asks_for_harmonics(said)),
-        )
+        .chain(cut_mains(levels, known.given).map(|(_, sentence)| sentence))
         .chain(
             isolas(levels, known.settings.as_ref().map_or("", search::only_windows))
                 .map(|found| found + &beside(known, units))

@@ -3,6 +3,9 @@
 /// Most places that a text names.
 const PLACES: usize = 3;
 
+/// Digits of marks.
+const RAISED: [char; 10] = ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'];
+
 /// Texts with numbers, from 1.
 #[derive(Debug, Default)]
 pub(super) struct Footnotes {
@@ -57,9 +60,14 @@ impl std::fmt::Display for Note {
     }
 }
 
+/// A text with another mark at its end, apart from one that is there already: two digits would be one number.
+pub(super) fn with_mark(text: &str, mark: &str) -> String {
+    let is_marked = text.ends_with(RAISED) && mark.starts_with(RAISED);
+    format!("{text}{}{mark}", if is_marked { " " } else { "" })
+}
+
 fn raised(number: usize) -> String {
-    let digits = ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'];
-    number.to_string().bytes().map(|digit| digits[usize::from(digit - b'0')]).collect()
+    number.to_string().bytes().map(|digit| RAISED[usize::from(digit - b'0')]).collect()
 }
 
 /// Breaks a text between words so that no line has more characters than `width`, a longer word apart; all lines but the
@@ -91,6 +99,8 @@ mod tests {
         assert_eq!(marks, ["¹", "²", "¹"]);
         assert_eq!(notes.lines(80), ["¹ stalled", "² reversed"]);
         assert_eq!(raised(120), "¹²⁰");
+        assert_eq!(["1.5", "1.5³"].map(|text| with_mark(text, "⁵")), ["1.5⁵", "1.5³ ⁵"]);
+        assert_eq!(with_mark("1.5³", ""), "1.5³");
     }
 
     #[test]

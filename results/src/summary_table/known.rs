@@ -6,7 +6,6 @@ use crate::overview::{Level, Omissions, Overview, bounds, doubts};
 use crate::store::{BranchRow, CurveRow, MotionRow, PushRow, Reader, Result, SearchCounts};
 use protocol::backbone::BackboneMessage;
 use protocol::curve::Size;
-use protocol::to_everyone::Stage;
 use solver::response::backbone::Backbone;
 use solver::response::branch::Outcome;
 use solver::response::modes::ModesFollowed;
@@ -44,7 +43,7 @@ pub(super) struct Known {
     pub awaits_backbones: bool,
     /// How much of the run cannot be read.
     pub damaged: usize,
-    /// What of a finished run is not known to its end, in a sentence.
+    /// What is not known to its end of what was followed, in a sentence.
     pub doubts: Option<String>,
     /// Which modes were followed and which not.
     pub modes: Option<ModesFollowed>,
@@ -80,9 +79,7 @@ impl Known {
         let settings = overview.header.as_ref().map(|header| header.settings);
         let reach = omissions.read("The frequency range of the sweep is", reader.reach()).flatten();
         let is_further = reader.order().is_some();
-        let is_finished = omissions.read("The stage of the run is", reader.stage()) == Some(Stage::Finished);
-        let doubts =
-            omissions.read("What is not known to its end is", doubts(reader)).flatten().filter(|_| is_finished);
+        let doubts = omissions.read("What is not known to its end is", doubts(reader)).flatten();
         let mut known = Self {
             damaged: 0,
             others: omissions.read("How far monitored dofs move is", others).unwrap_or_default(),

@@ -3,13 +3,13 @@
 #[cfg(test)]
 mod tests;
 
-use super::footnotes::Footnotes;
+use super::footnotes::{Footnotes, with_mark};
 use super::known::{Known, PeaksOf};
 use super::listed::{Listed, listed};
 use super::units::{FrequencyUnit, Units};
 use crate::overview::{
-    BIRTH, Lesser, Level, WindowOutcome, beginning, forcing_label, is_begun, is_unconfirmed, is_unmatched, later_birth,
-    told_threshold, truncation_doubt, within,
+    BIRTH, Lesser, Level, WindowOutcome, beginning, forcing_label, is_at, is_begun, is_peak_lost, is_unconfirmed,
+    is_unmatched, later_birth, told_threshold, truncation_doubt, within,
 };
 use crate::store::{BranchRow, CurveRow, WindowRow};
 use crate::words::count;
@@ -102,10 +102,10 @@ impl<'r> Rows<'r> {
             };
             let mut text = self.other(row);
             if self.has_exchanges && before.iter().any(|earlier| is_copy(earlier, row)) {
-                text += &self.notes.mark(COPY.into());
+                text = with_mark(&text, &self.notes.mark(COPY.into()));
             }
             if row.is_isola() && self.lowest == Some(level.amplitude.as_str()) {
-                text += &self.below(level, row);
+                text = with_mark(&text, &self.below(level, row));
             }
             others.push(text);
             before.push(row);
@@ -164,13 +164,22 @@ impl<'r> Rows<'r> {
             end.map(|end| self.notes.mark(format!("{how}: {end}"))).unwrap_or_default()
         });
         let marks: Vec<String> = marks.collect();
+        let lost = "with twice the harmonics no such peak is confirmed";
+        let marks = marks.into_iter().zip(level.mains()).map(|(mark, row)| match is_peak_lost(row) {
+            true => with_mark(&mark, &self.notes.mark(lost.into())),
+            false => mark,
+        });
+        let marks: Vec<String> = marks.collect();
         // One curve has one largest response, in however many pieces it was found.
         if let Some(row) = level.main().filter(|_| level.main_curves() == 1) {
-            return format!("{}{}{}{}", self.peak(row), marks.concat(), self.outside(row), self.further(level.mains()));
+            let peak = marks.iter().fold(self.peak(row), |text, mark| with_mark(&text, mark));
+            return with_mark(&peak, &self.outside(row)) + &self.further(level.mains());
         }
         let peaks = level.mains().zip(marks).map(|(row, mark)| {
             let piece = if row.joints() > 0 { self.notes.mark(PIECE.into()) } else { String::new() };
-            format!("{}{mark}{piece}{}{}", self.peak(row), self.outside(row), self.further(std::iter::once(row)))
+            let marks = [mark, piece, self.outside(row)];
+            let peak = marks.iter().fold(self.peak(row), |text, mark| with_mark(&text, mark));
+            peak + &self.further(std::iter::once(row))
         });
         peaks.collect::<Vec<_>>().join("\n")
     }
@@ -190,10 +199,10 @@ impl<'r> Rows<'r> {
         let range = format!("{}–{}", unit.digits(row.omega.0), unit.digits(row.omega.1));
         let peak = self.peak(row);
         if row.is_isola() {
-            let doubt = "perhaps an artefact of too few harmonics: with twice as many no such peak was found, nor a motion near it by time \
+            let doubt = "perhaps an artefact of too few harmonics: with twice as many no such peak is confirmed, nor a motion near it by time \
                          marching";
-            let untold = "with twice the harmonics no such peak was found, and time marching has no motion near it or cannot tell";
-            let unasked = "with twice the harmonics no such peak was found; whether there is a motion near it was not asked of time marching";
+            let untold = "with twice the harmonics no such peak is confirmed, and time marching has no motion near it or cannot tell";
+            let unasked = "with twice the harmonics no such peak is confirmed; whether there is a motion near it was not asked of time marching";
             let is_marched = row.stability.as_ref().is_some_and(|known| known.peak.is_some());
             let mark = match (is_unconfirmed(row), is_unmatched(row)) {
                 (true, _) => self.notes.mark(doubt.into()),
@@ -221,6 +230,10 @@ impl<'r> Rows<'r> {
     /// The mark that tells from where on an isola of the lowest level is there, where no story does.
     fn below(&mut self, level: &Level, row: &BranchRow) -> String {
         let Some(begins) = beginning(self.curves, &level.amplitude, &row.name()) else {
+            // Of what may not be there, or where nobody followed folds, nothing is known.
+            if self.curves.is_empty() || is_unmatched(row) {
+                return String::new();
+            }
             return self.notes.mark(format!("{GOES_ON}; where it begins is not known"));
         };
         if is_begun(self.curves, begins) {
@@ -353,9 +366,4 @@ fn range_of(window: &WindowRow, unit: FrequencyUnit) -> String {
 fn is_copy(one: &BranchRow, other: &BranchRow) -> bool {
     let is_near = |a: f64, b: f64| (a - b).abs() <= SAME * a.abs();
     one.kind == other.kind && is_near(one.omega.0, other.omega.0) && is_near(one.omega.1, other.omega.1)
-}
-
-/// Whether a frequency is a bound.
-fn is_at(omega: f64, bound: Option<f64>) -> bool {
-    bound.is_some_and(|bound| (omega - bound).abs() <= BESIDE * bound)
 }

@@ -7,7 +7,7 @@ use super::units::Units;
 use super::{LEVELS, monitors, motions, pushes, search};
 use crate::overview::{
     UNTOUCHED, asks_for_harmonics, beyond, events, is_untouched, not_followed_sentence, reach_sentence, truncation_of,
-    undetermined,
+    undetermined, unknown_events, unknown_sentence,
 };
 
 /// What windows say in rows that list nothing beside the main branch.
@@ -44,7 +44,9 @@ fn over_the_forcing(known: &Known, units: Units) -> Vec<String> {
     // What was lost may count.
     let events = events(&known.curves, known.levels(), known.search.is_whole(), place).map(|events| events.sentence());
     let missing = not_followed_sentence(known.search.hanging).filter(|_| events.is_some());
-    ([events, missing].into_iter().flatten())
+    let (among, _) = unknown_events(&known.curves, known.levels());
+    let unknown = (!among.is_empty()).then(|| unknown_sentence(&among, |omega| unit.told(omega)));
+    ([events, unknown, missing].into_iter().flatten())
         .chain(motions::brief(&known.motions, units, known.is_further))
         .chain(pushes::sentences(&known.pushes, &known.monitors, units))
         .chain(pushes::not_pushed_onto(known.levels()).filter(|_| !known.pushes.is_empty()))

@@ -32,12 +32,12 @@ fn a_main_peak_that_is_not_there_with_more_harmonics() {
     let main = |standing| BranchRow { peak_standing: Some(standing), ..row("main", None) };
     let said = |standing| truncation(&levels(vec![main(standing), row("isola", Some(1.0))]), 10, 3).unwrap();
     assert!(
-        said(Standing::At).contains("no peak was found near that of the main branch at A = 60"),
+        said(Standing::At).contains("no peak is confirmed near that of the main branch at A = 60"),
         "{}",
         said(Standing::At)
     );
     let expected = format!(
-        "Largest peaks that are known, of 1 of 2 branches, change by less than 0.01 % with twice the harmonics (H = 20). {UNKNOWN_ENDS}"
+        "Largest peaks that were compared, of 1 of 2 branches, change by less than 0.01 % with twice the harmonics (H = 20). {UNKNOWN_ENDS}"
     );
     assert_eq!(said(Standing::AtLeast), expected);
 }
@@ -56,7 +56,7 @@ fn where_a_branch_runs_on_to_a_known_one_no_peak_is_missed() {
         let open = BranchRow { peak_standing: Some(Standing::At), status: status.into(), ..row("open", None) };
         truncation(&levels(vec![open, row("isola", Some(1.0))]), 10, 3).unwrap()
     };
-    assert!(with("open: frequency bound to frequency bound").contains("no peak was found near that of open 1"));
+    assert!(with("open: frequency bound to frequency bound").contains("no peak is confirmed near that of open 1"));
     assert!(with("open: known branch to known branch").starts_with("Largest peaks change by less than"));
 }
 
@@ -67,7 +67,7 @@ fn no_peak_at_all_is_there_with_more_harmonics() {
     let said = truncation(&levels(vec![main]), 10, 3).unwrap();
     assert!(
         said.starts_with(
-            "Not converged in H: with twice the harmonics no peak was found near that of the main branch at"
+            "Not converged in H: with twice the harmonics no peak is confirmed near that of the main branch at"
         ),
         "{said}"
     );
@@ -92,12 +92,12 @@ fn what_more_harmonics_would_change() {
         )
     );
     let lost = levels(vec![row("main", Some(1.0)), row("isola", None)]);
-    assert!(truncation(&lost, 10, 3).unwrap().contains("no peak was found near that of isola 1"));
+    assert!(truncation(&lost, 10, 3).unwrap().contains("no peak is confirmed near that of isola 1"));
     let many = (1..=5).map(|number| BranchRow { number, ..row("isola", None) });
     let many = levels(many.chain([row("main", Some(1.0))]).collect());
     assert_eq!(
         truncation(&many, 10, 3).unwrap(),
-        "Not converged in H: with twice the harmonics no peak was found near those of isola 1 at A = 60, isola 2 at A = 60, \
+        "Not converged in H: with twice the harmonics no peak is confirmed near those of isola 1 at A = 60, isola 2 at A = 60, \
          isola 3 at A = 60 and 2 more branches; set harmonics.count = 20."
     );
     let mut shifted = row("isola", Some(1.001));
@@ -157,7 +157,7 @@ fn where_a_flat_branch_is_largest_says_nothing() {
 #[test]
 fn what_more_harmonics_would_change_of_a_width() {
     let isola = |range| {
-        let mut isola = BranchRow { omega: (2.0, 2.1), ..row("isola", Some(1.0)) };
+        let mut isola = BranchRow { omega: (2.0, 2.1), omega_at_max: 2.05, ..row("isola", Some(1.0)) };
         isola.certificate.doubled.as_mut().unwrap().range = Some(range);
         truncation(&levels(vec![isola]), 10, 3).unwrap()
     };

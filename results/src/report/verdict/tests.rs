@@ -136,7 +136,7 @@ fn isolas_apart() {
         danger,
         "Between 120 and 140 rad/s (19.1 and 22.28 Hz), or between 150 and 165 rad/s (23.87 and 26.26 Hz), taken over \
          all 3 levels with isolas (A = 2 to 5): there an isola, a closed branch apart from the main one, is another periodic response at the same forcing, with up to \
-         2 mm at tip. The largest computed response, 2.5 mm at tip (gap 0.4 mm), is on the main branch, at 100 rad/s \
+         2 mm at tip, at 130 rad/s (20.69 Hz). The largest computed response, 2.5 mm at tip (gap 0.4 mm), is on the main branch, at 100 rad/s \
          (15.92 Hz) and A = 4. Whether isolas are stable and what leads there was not verified. Whether the largest \
          response is stable was not verified. Looked for: the windows of mode 1 at 5 levels (10 seeds tried); isolas of other modes, of sub- \
          and super-harmonics and those to which no energy balance of mode 1 leads were not looked for."
