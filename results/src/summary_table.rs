@@ -99,7 +99,10 @@ fn caption(known: &Known, Units { length, frequency }: Units) -> String {
         _ => String::new(),
     };
     let unit = known.model.as_ref().and_then(unit_of_forcing).map_or_else(String::new, |unit| format!(", A in {unit}"));
-    let of = monitors::of_first(&known.monitors);
+    let of = match (&known.monitors[..], &known.model) {
+        ([only], Some(model)) if model.dofs().len() > 1 => format!(" of {only}"),
+        (monitors, _) => monitors::of_first(monitors),
+    };
     format!("Largest amplitudes{of} in {length}, frequencies in {frequency}{force}{unit}:")
 }
 

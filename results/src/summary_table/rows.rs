@@ -60,6 +60,8 @@ pub(super) struct Rows<'r> {
     has_exchanges: bool,
     /// Bounds of the frequency that were given.
     given: FrequencySettings,
+    /// Those that were looked at, once they are known.
+    reached: Option<(f64, f64)>,
     /// The smallest threshold of the backbones; `None` if one of them is not known.
     smallest: Option<f64>,
     /// The lowest level.
@@ -80,6 +82,7 @@ impl<'r> Rows<'r> {
             lesser,
             has_exchanges,
             given: known.given,
+            reached: known.reached,
             smallest: smallest_threshold(&known.backbones),
             lowest: known.levels().first().map(|level| level.amplitude.as_str()),
             notes: Footnotes::default(),
@@ -250,15 +253,22 @@ impl<'r> Rows<'r> {
         let FrequencySettings { min, max } = self.given;
         let low = is_at(row.omega.0, min).then_some("frequency.min");
         let high = is_at(row.omega.1, max).then_some("frequency.max");
-        // Where the other bound was given as well it would be at that one.
-        let both_through = |bound: &str, is_other_given: bool| match is_other_given {
+        // At the other bound it would be seen to be there.
+        let both_through = |bound: &str, is_known: bool| match is_known {
             true => format!("leaves through {bound} at both ends"),
             false => format!("leaves through bounds at both ends, {bound} among them"),
         };
+        let own = |bound: fn((f64, f64)) -> f64| self.reached.map(bound);
         let how = match (low, high) {
             (Some(low), Some(high)) => Some(format!("leaves through {low} and {high}")),
-            (Some(low), None) => Some(both_through(low, max.is_some())),
-            (None, Some(high)) => Some(both_through(high, min.is_some())),
+            (Some(low), None) => Some(both_through(
+                low,
+                max.or(own(|(_, high)| high)).is_some_and(|high| row.omega.1 < high * (1.0 - BESIDE)),
+            )),
+            (None, Some(high)) => Some(both_through(
+                high,
+                min.or(own(|(low, _)| low)).is_some_and(|low| row.omega.0 > low * (1.0 + BESIDE)),
+            )),
             (None, None) => None,
         };
         how.filter(|_| row.kind == BranchKind::Cut.name() && row.status.matches("frequency bound").count() == 2)

@@ -12,6 +12,7 @@ fn rows(mains: &[(String, Outcome)]) -> Rows<'_> {
         lesser: Lesser::default(),
         has_exchanges: false,
         given: FrequencySettings::default(),
+        reached: None,
         smallest: None,
         lowest: None,
         notes: Footnotes::default(),
@@ -47,6 +48,14 @@ fn a_cut_branch_says_at_which_bounds() {
     assert_eq!(cut((1.5, 2.0), Some(1.0), Some(2.0)), "leaves through frequency.max at both ends");
     assert_eq!(cut((1.0, 1.5), Some(1.0), Some(2.0)), "leaves through frequency.min at both ends");
     assert_eq!(cut((1.5, 2.0), None, Some(2.0)), "leaves through bounds at both ends, frequency.max among them");
+    let reaching = |low| {
+        let status = "open: frequency bound to frequency bound".into();
+        let row = BranchRow { kind: BranchKind::Cut.name().into(), omega: (1.5, 2.0), status, ..BranchRow::default() };
+        let given = FrequencySettings { min: None, max: Some(2.0) };
+        Rows { given, reached: Some((low, 2.0)), ..rows(&[]) }.cut_at(&row).unwrap()
+    };
+    assert_eq!(reaching(1.0), "leaves through frequency.max at both ends");
+    assert_eq!(reaching(1.5), "leaves through bounds at both ends, frequency.max among them");
 }
 
 #[test]
