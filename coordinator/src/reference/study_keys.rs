@@ -361,7 +361,7 @@ pub(super) const NUMERICS: &[Key] = &[
         kind: Word(&[
             ("none", "nothing"),
             ("standard", "every branch that is not a main one, and what is around the peaks of main branches"),
-            ("all", "every branch, and what unstable motions turn into where it loses its stability"),
+            ("all", "every branch, and what unstable motions turn into where it loses its stability or never has it"),
         ]),
         default: Value("\"standard\""),
         unit: "",

@@ -1,4 +1,4 @@
-//! What unstable motions turn into, in words: for every branch that was followed beyond where it loses its stability.
+//! What unstable motions turn into, in words: for every branch from whose unstable motions it was marched on.
 
 use super::Units;
 use crate::store::MotionRow;

@@ -106,7 +106,8 @@ pub type PeriodObserver<'o> = dyn FnMut(f64, f64) -> ControlFlow<()> + 'o;
 
 impl Verification {
     /// Points from which unstable motions are worth following: between a bifurcation at which the branch loses its stability to
-    /// motions of less symmetry, of twice the period or of another frequency, and the next fold. With the frequencies of their orbits.
+    /// motions of less symmetry, of twice the period or of another frequency, and the next fold; of a branch that is unstable all along,
+    /// as where the structure vibrates by itself, any. With the frequencies of their orbits.
     pub fn unsettled(&self) -> Vec<(usize, f64)> {
         let mut found = Vec::new();
         if !self.is_sound(self.monitors()) {
@@ -117,6 +118,12 @@ impl Verification {
             if leads_on && bifurcation.outside.contains(&0) {
                 found.extend(self.beyond(bifurcation));
             }
+        }
+        if self.points.iter().all(|point| !matches!(point.verdict, Verdict::Stable | Verdict::Marginal))
+            && found.is_empty()
+        {
+            let all = (0..self.points.len()).filter(|&at| self.points[at].verdict == Verdict::Unstable);
+            found.extend(self.spread(&all.collect::<Vec<_>>()));
         }
         found.sort_unstable_by_key(|&(index, _)| index);
         found.dedup_by_key(|&mut (index, _)| index);
@@ -143,8 +150,13 @@ impl Verification {
             next.filter(is_unstable).filter(|&next| Some(next) != first && !is_fold_between(at, next))
         };
         let stretch: Vec<usize> = std::iter::successors(first.filter(is_unstable), step).collect();
-        let taken = stretch.len().min(POINTS);
-        let taken = (0..taken).map(|i| &points[stretch[i * stretch.len() / taken]]);
+        self.spread(&stretch)
+    }
+
+    /// Some of these verified points, evenly spread, as those from which motions are followed.
+    fn spread(&self, points: &[usize]) -> Vec<(usize, f64)> {
+        let taken = points.len().min(POINTS);
+        let taken = (0..taken).map(|i| &self.points[points[i * points.len() / taken]]);
         taken.filter_map(|point| Some((point.index, point.orbit.as_ref()?.omega))).collect()
     }
 }

@@ -131,6 +131,13 @@ fn beyond_its_bifurcations_a_motion_is_what_direct_integration_makes_of_it() {
         let point = verification.points.iter().find(|point| point.index == *index).unwrap();
         assert_eq!((point.verdict, point.orbit.as_ref().unwrap().omega), (Verdict::Unstable, *omega));
     }
+    // Of what is unstable all along, without a bifurcation, some points of all are followed.
+    let mut everywhere = verification.clone();
+    everywhere.bifurcations.clear();
+    assert!(everywhere.unsettled().is_empty());
+    everywhere.points.retain(|point| point.verdict == Verdict::Unstable);
+    let spread = everywhere.unsettled();
+    assert!(spread.len() == 6 && spread[0].0 == everywhere.points[0].index, "{spread:?}");
     // What was stable all along stays on the branch; near a grazing contact not always on the same part of it.
     let unstable = places.len();
     let inside = &verification.points[1..verification.points.len() - 1];
