@@ -45,6 +45,10 @@ fn verify_efforts() -> impl TypedValueParser<Value = VerifyEffort> {
             "standard",
             "Every branch that is not a main one, and what is around the peaks of main branches",
         ),
-        (VerifyEffort::All, "all", "Every branch, and what unstable motions turn into where it loses its stability or never has it"),
+        (
+            VerifyEffort::All,
+            "all",
+            "Every branch, and what unstable motions turn into where it loses its stability or never has it",
+        ),
     ])
 }

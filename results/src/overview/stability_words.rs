@@ -1,7 +1,6 @@
 //! How the stability of responses is worded: in terminal and report, on the page and in figures, and in `COLUMNS.md`.
 
 use super::BranchRow;
-use super::level::Level;
 use crate::store::Stability;
 use crate::words::{listed_first, shares};
 
@@ -85,19 +84,19 @@ pub(super) fn by_marching(row: &BranchRow) -> String {
     format!("{around}{}", CLASSES[class(row)])
 }
 
-/// Of these branches, called so, with the levels of those that are stable nowhere; `around`: what of them alone was looked at. `None` if
+/// Of these branches, called so, each with its level, with the levels of those that are stable nowhere; `around`: what of them alone was looked at. `None` if
 /// nothing was verified.
-pub fn stability_of(rows: &[(&Level, &BranchRow)], [one, several]: [&str; 2], around: &str) -> Option<StabilityOf> {
+pub fn stability_of(rows: &[(&str, &BranchRow)], [one, several]: [&str; 2], around: &str) -> Option<StabilityOf> {
     let mut counts = [0; CLASSES.len()];
     rows.iter().for_each(|(_, row)| counts[class(row)] += 1);
     if counts[UNVERIFIED] == rows.len() {
         return None;
     }
     let mut unstable: Vec<String> =
-        rows.iter().filter(|(_, row)| class(row) == UNSTABLE).map(|(level, _)| level.amplitude.clone()).collect();
+        rows.iter().filter(|(_, row)| class(row) == UNSTABLE).map(|(level, _)| level.to_string()).collect();
     unstable.dedup();
     let mut found: Vec<(usize, String)> = counts.into_iter().zip(CLASSES.map(String::from)).collect();
-    let are_of_several = rows.iter().any(|(level, _)| level.amplitude != rows[0].0.amplitude);
+    let are_of_several = rows.iter().any(|(level, _)| *level != rows[0].0);
     if are_of_several && counts[UNSTABLE] < rows.len() && !unstable.is_empty() {
         found[UNSTABLE].1 += &format!(" (A = {})", listed_first(unstable, NAMED));
     }
@@ -120,15 +119,14 @@ mod tests {
             let known = Stability { is_whole: true, stable, unstable: 1.0 - stable, ..Stability::default() };
             BranchRow { stability: Some(known), ..BranchRow::default() }
         };
-        let level = |name: &str| Level { amplitude: name.into(), ..Level::default() };
-        let (levels, rows) = (["1", "2", "3"].map(level), [row(0.0), row(0.5), row(0.0)]);
-        let pairs: Vec<(&Level, &BranchRow)> = levels.iter().zip(&rows).collect();
-        let told = |pairs: &[(&Level, &BranchRow)]| stability_of(pairs, ["isola", "isolas"], "").unwrap().told;
+        let rows = [row(0.0), row(0.5), row(0.0)];
+        let pairs: Vec<(&str, &BranchRow)> = ["1", "2", "3"].into_iter().zip(&rows).collect();
+        let told = |pairs: &[(&str, &BranchRow)]| stability_of(pairs, ["isola", "isolas"], "").unwrap().told;
         assert_eq!(
             told(&pairs),
             "of 3 isolas 1 is stable in parts, 2 are unstable wherever it could tell (A = 1 and 3)"
         );
-        let same = [(&levels[0], &rows[0]), (&levels[0], &rows[1])];
+        let same = [("1", &rows[0]), ("1", &rows[1])];
         assert!(told(&same).ends_with("1 is unstable wherever it could tell"), "{}", told(&same));
     }
 

@@ -20,8 +20,11 @@ const TOLD: f64 = 0.005;
 impl Evidence<'_> {
     /// Whether isolas can be settled on, of one of them and all of them, and what leads there.
     pub(super) fn stability_of_isolas(&self) -> Vec<String> {
-        let isolas: Vec<(&Level, &BranchRow)> =
-            self.levels.iter().flat_map(|level| level.isolas().map(move |row| (level, row))).collect();
+        let isolas: Vec<(&str, &BranchRow)> = self
+            .levels
+            .iter()
+            .flat_map(|level| level.isolas().map(move |row| (level.amplitude.as_str(), row)))
+            .collect();
         let Some(StabilityOf { told, stable, known }) = stability_of(&isolas, ["isola", "isolas"], "") else {
             return vec!["Whether isolas are stable and what leads there was not verified.".into()];
         };

@@ -10,8 +10,8 @@ const UNTOLD: f64 = 0.2;
 /// was verified, or there is nothing to be told; `is_told`: that the largest one is stable is known already.
 pub(super) fn sentence(levels: &[Level], units: Units, is_told: bool) -> Option<String> {
     let (length, frequency) = (units.length, units.frequency);
-    let isolas: Vec<(&Level, &BranchRow)> =
-        levels.iter().flat_map(|level| level.isolas().map(move |row| (level, row))).collect();
+    let isolas: Vec<(&str, &BranchRow)> =
+        levels.iter().flat_map(|level| level.isolas().map(move |row| (level.amplitude.as_str(), row))).collect();
     let largest = largest_stable(levels, BranchRow::is_isola).filter(|_| !is_told);
     let up_to = largest.map_or_else(String::new, |StableResponse { level, branch, omega, amplitude }| {
         // A marched orbit has no truncation, and may be larger than what has.
@@ -52,10 +52,10 @@ pub(crate) fn of_others(levels: &[Level]) -> Option<String> {
 
 /// The same of main branches and of others, and whether all of them are stable at least in parts.
 fn beside_isolas(levels: &[Level]) -> impl Iterator<Item = (String, bool)> {
-    let rows = || levels.iter().flat_map(|level| level.branches.iter().map(move |row| (level, row)));
-    let mains: Vec<(&Level, &BranchRow)> = rows().filter(|(_, row)| row.is_main()).collect();
-    let others: Vec<(&Level, &BranchRow)> = rows().filter(|(_, row)| !row.is_main() && !row.is_isola()).collect();
-    let is_part = |(_, row): &(&Level, &BranchRow)| row.stability.as_ref().is_some_and(|stability| !stability.is_whole);
+    let rows = || levels.iter().flat_map(|level| level.branches.iter().map(move |row| (level.amplitude.as_str(), row)));
+    let mains: Vec<(&str, &BranchRow)> = rows().filter(|(_, row)| row.is_main()).collect();
+    let others: Vec<(&str, &BranchRow)> = rows().filter(|(_, row)| !row.is_main() && !row.is_isola()).collect();
+    let is_part = |(_, row): &(&str, &BranchRow)| row.stability.as_ref().is_some_and(|stability| !stability.is_whole);
     let is_cut = mains.iter().any(|(_, row)| !row.at_least().is_empty());
     let around = match (mains.iter().any(is_part), mains.len() == 1, is_cut) {
         (false, ..) => "",
