@@ -214,11 +214,6 @@ pub fn is_untouched(levels: &[Level]) -> bool {
     are_some && levels.iter().all(|level| level.is_complete() && !touches(level))
 }
 
-/// What is said after that no isola was found.
-pub fn undecided(levels: &[Level]) -> &'static str {
-    if levels.iter().any(Level::has_undecided) { "; what is cut or unfinished may be one" } else { "" }
-}
-
 /// The branch with the point of largest amplitude; one whose amplitude cannot be read counts for nothing.
 pub fn highest<'b>(branches: impl Iterator<Item = &'b BranchRow>) -> Option<&'b BranchRow> {
     let readable = branches.filter(|branch| branch.amplitude_max.is_finite() && branch.omega_at_max.is_finite());

@@ -64,12 +64,12 @@ pub use largest_stable::{
     StableResponse, largest_stable, largest_stable_sentence, passed_over_sentence, unstable_peak_sentence,
 };
 pub use lesser::Lesser;
-pub use level::{Level, Seeds, UNTOUCHED, highest, is_untouched, undecided};
+pub use level::{Level, Seeds, UNTOUCHED, highest, is_untouched};
 pub use lives::parted_between;
 pub use looked_for::{LookedFor, has_joints};
 pub use merges::merge_verb;
 pub use near_largest::near_largest;
-pub use of_kind::{named, of_kind, undecided_kinds};
+pub use of_kind::{named, of_kind, undecided, undecided_kinds};
 pub use omissions::{Omissions, damage_sentence};
 pub use overlooked::{Bounds, overlooked};
 pub use place::undetermined;

@@ -51,7 +51,7 @@ impl<'r> Evidence<'r> {
         }
         if self.with_isolas().next().is_none() {
             // An isola that fold curves have, and what may be one.
-            let but = match (self.overlooked(), undecided(self.levels)) {
+            let but = match (self.overlooked(), undecided(self.levels, self.curves)) {
                 (Some(_), _) => ", though along fold curves one is there",
                 (None, undecided) => undecided,
             };

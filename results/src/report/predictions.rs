@@ -50,7 +50,7 @@ impl Evidence<'_> {
         let place = if self.is_of_windows_alone() { WINDOWS_ALONE } else { "where it was looked for" };
         let none = match self.has_nothing() {
             true => NOTHING.to_string(),
-            false => format!("{} {place}{}", self.none(), undecided(levels)),
+            false => format!("{} {place}{}", self.none(), undecided(levels, self.curves)),
         };
         if let Some(there) = self.overlooked() {
             return format!("{none}, though along fold curves {there}.");
@@ -59,7 +59,8 @@ impl Evidence<'_> {
             let forcing = forcing_label(birth, 5);
             format!("at A = {forcing} ({}{})", self.in_both_units(birth.omega), truncation_doubt(&[birth]))
         };
-        let may = if undecided(levels).is_empty() { "" } else { ": what is cut or unfinished above may be it" };
+        let may =
+            if undecided(levels, self.curves).is_empty() { "" } else { ": what is cut or unfinished above may be it" };
         let but = |what: String| format!("{none}, but along fold curves {what}{may}.");
         match &born_between(levels, curves, bounds)[..] {
             [only] => return but(format!("one is born between two of the levels, {}", at(only))),
@@ -110,7 +111,7 @@ impl Evidence<'_> {
         births.filter(|(_, event)| event.kind == EventKind::Birth).filter(is_met)
     }
 
-    /// Where beyond all levels the energy balance first has a separate response: `from A = 2 to 5, near 3 rad/s`.
+    /// How many separate responses the energy balance has beyond all levels, and where the first: `one from A = 2 to 5, near 3 rad/s`.
     pub(super) fn predicted_above(&self) -> Option<String> {
         let values = || self.levels.iter().map(|level| level.value);
         let highest = values().fold(0.0, f64::max);
@@ -121,7 +122,8 @@ impl Evidence<'_> {
         let told = |forcing: f64| format!("to {}", told_threshold(forcing, values()));
         let to = merge_after(&earliest).map_or_else(|| "on".into(), told);
         let (from, near) = (told_threshold(birth.threshold, values()), self.frequency(birth.omega));
-        Some(format!("from A = {from} {to}, near {near}{}", beyond(self.bounds, birth.omega)))
+        let which = if above.len() == 1 { "one".into() } else { format!("{}, the first", above.len()) };
+        Some(format!("{which} from A = {from} {to}, near {near}{}", beyond(self.bounds, birth.omega)))
     }
 
     /// From where on the energy balance alone says that there is more than the main response. A window that is born and
@@ -158,7 +160,7 @@ impl Evidence<'_> {
                 // What it predicts and was not found is among the details.
                 String::new()
             } else {
-                let above = self.predicted_above().map_or_else(String::new, |above| format!(", but one {above}"));
+                let above = self.predicted_above().map_or_else(String::new, |above| format!(", but {above}"));
                 let highest = self.levels.iter().map(|level| level.value).fold(0.0, f64::max);
                 let is_short = |backbone: &BackboneCurve| backbone.end.is_some_and(|end| end.threshold < highest);
                 let far = if self.backbones().any(is_short) { ", as far as it is known," } else { "" };

@@ -299,7 +299,7 @@ impl<'r> Evidence<'r> {
             // What it predicts at the levels and was not found is among the details.
             let is_missed = self.levels.iter().any(|level| level.not_found().chain(level.passed()).next().is_some());
             let above = self.predicted_above().filter(|_| !is_missed);
-            let above = above.map_or_else(String::new, |above| format!("; the energy balance predicts one {above}"));
+            let above = above.map_or_else(String::new, |above| format!("; the energy balance predicts {above}"));
             return format!("{NOTHING} (see the first answer){above}.{computed}");
         }
         if self.is_empty() && self.is_over() {

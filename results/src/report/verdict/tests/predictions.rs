@@ -181,12 +181,12 @@ fn windows_that_no_level_sees_apart_are_told() {
     };
     let nothing = |forcing| [Level { is_without_mains: true, ..level(forcing, Vec::new()) }];
     let said = of(&[level(0.001, vec![main(1e-3)])], false);
-    let none = " predicts no separate response at the levels and frequencies of the run, but one from A = 0.003 to 0.0055, near ";
+    let none = " predicts no separate response at the levels and frequencies of the run, but 2, the first from A = 0.003 to 0.0055, near ";
     assert!(said.contains(none), "{said}");
     let said = of(&nothing(0.001), true);
     assert!(
         said.starts_with(&format!(
-            "{NOTHING} (see the first answer); the energy balance predicts one from A = 0.003 to 0.0055, near "
+            "{NOTHING} (see the first answer); the energy balance predicts 2, the first from A = 0.003 to 0.0055, near "
         )),
         "{said}"
     );
@@ -195,7 +195,7 @@ fn windows_that_no_level_sees_apart_are_told() {
     from_rest.threshold.values[0] = 1.0;
     let further = [BackboneCurve { mode: 1, events: births.clone(), ..from_rest }];
     let [_, onset, _] = told(&nothing(0.001), |evidence| (evidence.further, evidence.is_further) = (&further, true));
-    assert!(onset.contains("predicts one from A = 0.003 on, near "), "{onset}");
+    assert!(onset.contains("predicts 2, the first from A = 0.003 on, near "), "{onset}");
     let said = of(&nothing(0.02), true);
     assert_eq!(said, format!("{NOTHING} (see the first answer)."));
 }
