@@ -42,7 +42,7 @@ mod truncation;
 mod unfinished;
 mod unknown;
 mod verified;
-mod windows;
+pub mod windows;
 
 pub use amplitude_bound::amplitude_bound;
 pub use around_largest::around_largest;

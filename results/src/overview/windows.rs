@@ -1,6 +1,7 @@
 //! Windows that led to branches, and whether these lie in them.
 
 use crate::store::{BranchRow, WindowOutcome, WindowRow};
+use solver::response::branch::BranchKind;
 
 /// Whether a branch has frequencies of a window.
 pub fn overlaps(branch: &BranchRow, window: &WindowRow) -> bool {
@@ -27,6 +28,16 @@ pub fn within<'f>(found: &'f str, window: &WindowRow, branches: &[BranchRow]) ->
     let row = |name: &str| branches.iter().find(|row| row.name() == name);
     let is_there = |name: &&str| row(name).is_none_or(|row| row.is_main() || overlaps(row, window));
     found.split("; ").partition(is_there)
+}
+
+/// Whether what the seeds of a window led to, or what passes by, is main branches alone; `None` if that is nothing.
+pub fn is_on_main(window: &WindowRow, branches: &[BranchRow]) -> Option<bool> {
+    let is_main = |name: &str| name.starts_with(BranchKind::Main.name());
+    match &window.outcome {
+        WindowOutcome::Found(found) => Some(within(found, window, branches).0.into_iter().all(is_main)),
+        WindowOutcome::Passed { branches, .. } => Some(branches.split("; ").all(is_main)),
+        _ => None,
+    }
 }
 
 #[cfg(test)]

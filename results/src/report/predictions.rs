@@ -2,11 +2,12 @@
 
 use super::evidence::Evidence;
 use crate::curves::BackboneCurve;
+use crate::overview::windows::is_on_main;
 use crate::overview::{
     Bounds, Level, Origin, beyond, born_above, born_below, born_between, forcing_label, is_within, later_birth, named,
     overlaps, overlooked, parted_between, told_threshold, truncation_doubt, undecided,
 };
-use crate::store::CurvePoint;
+use crate::store::{CurvePoint, WindowRow};
 use crate::words::{self, count};
 use solver::response::task::SeedOutcome;
 use solver::response::windows::{Event, EventKind};
@@ -139,6 +140,10 @@ impl Evidence<'_> {
             self.levels.iter().any(|level| apart.contains(&level.value))
         };
         let (separate, others): (Vec<_>, Vec<_>) = births.partition(is_separate);
+        // What turned out to be the main branch is not told while there is more.
+        let (on_main, apart): (Vec<_>, Vec<_>) = separate.into_iter().partition(|birth| self.has_led_to_main(birth));
+        let (separate, so) =
+            if apart.is_empty() { (on_main, ", though seeds there led to main branches") } else { (apart, "") };
         let told = |threshold: f64| told_threshold(threshold, self.levels.iter().map(|level| level.value));
         let Some((_, birth)) = earliest_of(&separate) else {
             let highest = self.levels.iter().map(|level| level.value).fold(0.0, f64::max);
@@ -205,7 +210,23 @@ impl Evidence<'_> {
             };
             format!("{whose} already from A = {from} to {to}, where the run has no level")
         });
-        all + &earlier
+        let so = if separate.is_empty() { "" } else { so };
+        format!("{all}{earlier}{so}")
+    }
+
+    /// Whether the windows that begin with a birth led to main branches alone, at every level that has them.
+    fn has_led_to_main(&self, birth: &(&BackboneCurve, &Event)) -> bool {
+        let (backbone, event) = birth;
+        let has_birth = |window: &&WindowRow| {
+            window.mode == backbone.mode + 1 && (window.points[0]..=window.points[1]).contains(&event.index)
+        };
+        let apart = event.threshold..barrier(birth);
+        let mut levels = self.levels.iter().filter(|level| apart.contains(&level.value)).peekable();
+        levels.peek().is_some()
+            && levels.all(|level| {
+                let window = level.windows.iter().find(has_birth);
+                window.is_some_and(|window| is_on_main(window, &level.branches) == Some(true))
+            })
     }
 
     /// Births and merges of the energy balance among the levels, which is an estimate of what fold curves compute.

@@ -9,7 +9,7 @@ use super::listed::{Listed, listed};
 use super::units::{FrequencyUnit, Units};
 use crate::overview::{
     BIRTH, Lesser, Level, WindowOutcome, beginning, forcing_label, is_at, is_begun, is_peak_lost, is_unconfirmed,
-    is_unmatched, later_birth, told_threshold, truncation_doubt, within,
+    is_unmatched, later_birth, told_threshold, truncation_doubt, windows,
 };
 use crate::store::{BranchRow, CurveRow, WindowRow};
 use crate::words::count;
@@ -350,13 +350,8 @@ impl<'r> Rows<'r> {
 
 /// Whether what was found in the windows of a level is the main branch alone.
 pub(super) fn is_on_main(level: &Level) -> bool {
-    let is_main = |name: &str| name.starts_with(BranchKind::Main.name());
-    let found = level.windows.iter().filter_map(|window| match &window.outcome {
-        WindowOutcome::Found(branches) => Some(within(branches, window, &level.branches).0.into_iter().all(is_main)),
-        WindowOutcome::Passed { branches, .. } => Some(branches.split("; ").all(is_main)),
-        _ => None,
-    });
-    let found: Vec<bool> = found.collect();
+    let found: Vec<bool> =
+        level.windows.iter().filter_map(|window| windows::is_on_main(window, &level.branches)).collect();
     !found.is_empty() && found.iter().all(|is_main| *is_main)
 }
 

@@ -163,6 +163,26 @@ fn windows_that_no_level_sees_apart_are_told() {
         onset
     };
     let onset = |births| onset_beside(births, &[]);
+    // What seeds found to be the main branch is told to be so, and gives way to what may be separate.
+    let led_to = |main: &[Event], isolas: &[Event]| {
+        let window = |birth: &Event, found: &str| WindowRow {
+            mode: 2,
+            points: [birth.index, birth.index, birth.index],
+            ..WindowRow::of(WindowOutcome::Found(found.into()))
+        };
+        let windows = main.iter().map(|birth| window(birth, "main"));
+        let windows = windows.chain(isolas.iter().map(|birth| window(birth, "main; isola 1"))).collect();
+        let births = [main, isolas].concat();
+        let further = [BackboneCurve { mode: 1, events: births, ..curve.clone() }];
+        let levels = [Level { windows, ..level(0.004, vec![super::main(1e-3)]) }];
+        let [_, onset, _] = told(&levels, |evidence| evidence.further = &further);
+        onset
+    };
+    let on_main = ", though seeds there led to main branches";
+    let said = led_to(&births[..1], &[]);
+    assert!(said.contains("predicts separate responses from A = 0.003 ") && said.contains(on_main), "{said}");
+    let said = led_to(&[], &births[..1]);
+    assert!(said.contains("predicts separate responses from A = 0.003 ") && !said.contains(on_main), "{said}");
     // Isolas that go on beyond their window are no reason to say that it was not there.
     let said = onset_beside(&births[..1], &[isola(2e-3)]);
     let alone = " predicts separate responses from A = 0.003 to 0.0055 alone, where the run has no level";
