@@ -2,6 +2,7 @@
 
 use super::level::Level;
 use super::of_kind::named;
+use crate::words::count;
 use solver::settings::FrequencySettings;
 
 /// Relative distance from a bound up to which a response counts as at it.
@@ -38,7 +39,7 @@ pub fn cut_mains(levels: &[Level], given: FrequencySettings) -> Option<(String, 
         "{mains} at {} {goes} largest, beyond {bounds}: how far is not known, and larger responses may lie there.",
         named(&cut)
     );
-    Some((format!("main branches cut by {bounds}"), sentence))
+    Some((format!("{} cut by {bounds}", count(cut.len(), "main branch")), sentence))
 }
 
 #[cfg(test)]
@@ -72,6 +73,7 @@ mod tests {
                 .1
                 .starts_with("The main branch at A = 2 goes on, where it is largest,")
         );
+        assert_eq!(cut_mains(&levels, given).unwrap().0, "2 main branches cut by frequency.max");
         assert_eq!(cut_mains(&levels[..1], given), None);
         assert_eq!(cut_mains(&levels, FrequencySettings::default()), None);
     }
