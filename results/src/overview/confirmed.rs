@@ -3,11 +3,12 @@
 use crate::store::{BranchRow, Stability};
 use solver::response::certificate::Doubled;
 
-/// A peak at the edge of a range, to rounding.
-const EDGE: f64 = 1e-9;
+/// A peak may lie right beside a fold, and both are known as far as they converge.
+const EDGE: f64 = 1e-6;
 
 /// Peak and ends of a branch with twice the harmonics, as far as they are its own. They are looked for one by one: of an isola near most of
-/// whose points no motion was found they may be of several curves, or of the main branch, as they are where the peak lies beyond the ends.
+/// whose points no motion was found they may be of several curves, or of the main branch; of any branch they are where the peak lies beyond
+/// the ends.
 pub(super) fn doubled(row: &BranchRow) -> Option<Doubled> {
     let doubled = row.certificate.doubled?;
     let is_scattered = row.is_isola() && row.certificate.elsewhere.is_some_and(|change| change.share.is_none());

@@ -52,13 +52,14 @@ pub fn doubts(reader: &Reader) -> Result<Option<String>> {
     let search = reader.search_counts()?;
     let lost_at = if search.lost > 0 { reader.levels_of_lost_crossings()? } else { Vec::new() };
     let without_branch = format!("of a curve and a level, without a branch, {}", at(reader, &lost_at)?);
-    // Folds of a run that goes on are still to come.
-    let left_out = if reader.stage()? == Stage::Finished { search.left_out } else { 0 };
+    // Folds and open branches of a run that goes on are still to come.
+    let is_finished = reader.stage()? == Stage::Finished;
+    let [left_out, uncarried] = [search.left_out, search.uncarried].map(|number| if is_finished { number } else { 0 });
     let lost = [
         (search.unfollowed, "fold", "not followed over the forcing"),
         (left_out, "fold", "beyond the limit of the search"),
         (search.lost, "crossing", without_branch.as_str()),
-        (search.uncarried, "open branch", "not followed to all levels"),
+        (uncarried, "open branch", "not followed to all levels"),
     ];
     let lost = lost.into_iter().filter(|(number, ..)| *number > 0);
     curves.extend(lost.map(|(number, what, why)| format!("{} ({why})", count(number, what))));

@@ -166,7 +166,7 @@ impl Level {
 
     /// Whether nothing has been found where something has to be.
     pub fn is_bare(&self) -> bool {
-        self.branches.is_empty() && !self.is_without_mains
+        self.branches.is_empty() && !self.is_without_mains && !self.is_damaged
     }
 
     /// Whether nothing is left to be done, nothing was given up, nothing contradicted, nothing is damaged, and there is a main branch,

@@ -381,7 +381,7 @@ mod tests {
         let said = told.brief(None);
         for part in [
             "64 random starts (none at some levels)",
-            "; not of mode 4 (far above the primary mode or far from given bounds, and followed only if backbone.modes lists it)",
+            "; not of mode 4 (far above the primary mode or beyond the reach of given bounds, and followed only if backbone.modes lists it)",
             "; not of mode 3 (more than are followed",
             "; folds were not followed (a law has a corner)",
             "; the backbone of mode 1 ends at A* = 2.5, and no window beyond was looked for (this run began with smaller levels: a sweep of its own with all \

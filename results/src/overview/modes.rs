@@ -22,8 +22,8 @@ const REASONS: [Reason; 6] = [
     (
         |why| *why == LeftOut::OutOfRange,
         [
-            "far above the primary mode or far from given bounds, and followed only if backbone.modes lists it",
-            "far above the primary mode or far from given bounds, and followed only if backbone.modes lists them",
+            "far above the primary mode or beyond the reach of given bounds, and followed only if backbone.modes lists it",
+            "far above the primary mode or beyond the reach of given bounds, and followed only if backbone.modes lists them",
         ],
     ),
     (|why| *why == LeftOut::TooMany, ["more than are followed unless backbone.modes lists them"; 2]),
@@ -84,7 +84,7 @@ mod tests {
         let choice = ModesFollowed { followed: vec![0, 2], left_out };
         assert_eq!(
             sentence(&choice, true).unwrap(),
-            "Windows of modes 1 and 3 were looked for; not mode 40 (a rigid body but for laws, without a backbone), mode 2 (far above the primary mode or far from given bounds, and \
+            "Windows of modes 1 and 3 were looked for; not mode 40 (a rigid body but for laws, without a backbone), mode 2 (far above the primary mode or beyond the reach of given bounds, and \
              followed only if backbone.modes lists it), modes 4 to 39 (more than are followed unless backbone.modes lists them)."
         );
         // Whatever holds it, its resonance may lie below what is looked at.

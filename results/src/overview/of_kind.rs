@@ -1,10 +1,8 @@
 //! Branches of one kind over all levels, in a sentence.
 
 use super::around_largest::around_largest;
-use super::event_words::BIRTH;
-use super::folds::events_of;
 use super::level::{Level, highest};
-use crate::store::{BranchRow, CurveRow};
+use crate::store::BranchRow;
 use solver::response::branch::BranchKind;
 
 /// Levels that a sentence names.
@@ -25,16 +23,9 @@ pub fn undecided_kinds(levels: &[Level], size: impl Fn(f64) -> String) -> Vec<(S
     UNDECIDED.into_iter().filter_map(told).collect()
 }
 
-/// What is said after that no isola was found: that what is undecided may be one, the more so where fold curves have a birth below it.
-pub fn undecided(levels: &[Level], curves: &[CurveRow]) -> &'static str {
-    let highest = levels.iter().filter(|level| level.has_undecided()).map(|level| level.value).reduce(f64::max);
-    let Some(highest) = highest else { return "" };
-    match events_of(curves, BIRTH.kind.name()).first() {
-        Some(birth) if birth.forcing < highest => {
-            "; what is cut or unfinished may be one, and along fold curves isolas are born below it"
-        }
-        _ => "; what is cut or unfinished may be one",
-    }
+/// What is said after that no isola was found.
+pub fn undecided(levels: &[Level]) -> &'static str {
+    if levels.iter().any(Level::has_undecided) { "; what is cut or unfinished may be one" } else { "" }
 }
 
 /// `2 branches`, and in a sentence what they do, told of many. `size` writes an amplitude, m.
@@ -60,6 +51,8 @@ pub fn of_kind(
     let size = highest(rows()).map_or_else(String::new, |row| {
         let [before, behind] = around_largest(row);
         let up_to = if row.at_least().is_empty() { "up to " } else { "" };
+        // Brackets within brackets are hard to read.
+        let behind = behind.replace(" (", ", ").replace(')', "");
         format!(" ({up_to}{before}{}{behind})", size(row.amplitude_max))
     });
     (branches > 0).then(|| {
@@ -79,21 +72,6 @@ pub fn named(levels: &[&Level]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::store::CurvePoint;
-
-    #[test]
-    fn what_is_cut_above_a_birth_may_well_be_an_isola() {
-        let row = BranchRow { kind: BranchKind::Cut.name().into(), ..BranchRow::default() };
-        let level = |branches: &[BranchRow]| Level { value: 2.0, branches: branches.to_vec(), ..Level::default() };
-        let birth = |forcing| CurvePoint { forcing, event: Some("birth".into()), ..CurvePoint::default() };
-        let curve = |forcing| [CurveRow { points: vec![birth(forcing)], ..CurveRow::default() }];
-        let levels = [level(&[row])];
-        assert_eq!(undecided(&[level(&[])], &curve(1.0)), "");
-        for curves in [&[][..], &curve(3.0)] {
-            assert_eq!(undecided(&levels, curves), "; what is cut or unfinished may be one");
-        }
-        assert!(undecided(&levels, &curve(1.0)).ends_with(", and along fold curves isolas are born below it"));
-    }
 
     #[test]
     fn what_bounds_cut_off_is_told_with_its_levels_and_size() {

@@ -34,7 +34,10 @@ pub fn within<'f>(found: &'f str, window: &WindowRow, branches: &[BranchRow]) ->
 pub fn is_on_main(window: &WindowRow, branches: &[BranchRow]) -> Option<bool> {
     let is_main = |name: &str| name.starts_with(BranchKind::Main.name());
     match &window.outcome {
-        WindowOutcome::Found(found) => Some(within(found, window, branches).0.into_iter().all(is_main)),
+        WindowOutcome::Found(found) => {
+            let there = within(found, window, branches).0;
+            (!there.is_empty()).then(|| there.into_iter().all(is_main))
+        }
         WindowOutcome::Passed { branches, .. } => Some(branches.split("; ").all(is_main)),
         _ => None,
     }

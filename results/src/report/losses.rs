@@ -133,7 +133,7 @@ pub(super) fn losses(evidence: &Evidence<'_>) -> Vec<Loss> {
         let sentence = format!("{brief}: other branches may cross there, or a law changes its slope.");
         list.push(Loss::new(brief, sentence));
     }
-    if search.uncarried > 0 {
+    if search.uncarried > 0 && evidence.stage == Some(Stage::Finished) {
         let brief = format!("{} of open branches not followed over all levels", count(search.uncarried, "response"));
         let sentence = format!("{brief}: where such branches are at other levels is not known.");
         list.push(Loss::grave(brief, sentence));

@@ -51,7 +51,7 @@ impl<'r> Evidence<'r> {
         }
         if self.with_isolas().next().is_none() {
             // An isola that fold curves have, and what may be one.
-            let but = match (self.overlooked(), undecided(self.levels, self.curves)) {
+            let but = match (self.overlooked(), undecided(self.levels)) {
                 (Some(_), _) => ", though along fold curves one is there",
                 (None, undecided) => undecided,
             };
@@ -108,12 +108,14 @@ impl<'r> Evidence<'r> {
     fn compared(&self, gain: &Gain<'_>) -> String {
         let (Gain { level, isola, main, is_whole, .. }, [yes, who], ratio) = (gain, gain.begins(), gain.ratio());
         let amplitude = &level.amplitude;
-        // What goes up farther than the main branch, or is not converged, leaves that open.
-        let is_largest =
-            around_largest(main)[1].is_empty() && !level.others().any(|other| other.amplitude_max > main.amplitude_max);
-        let largest = match is_largest {
-            true => ", but not the largest response",
-            false => "; whether the largest response as well is not known",
+        let is_farther = |other: &&BranchRow| other.amplitude_max > main.amplitude_max;
+        let is_doubtful = |other: &BranchRow| is_unmatched(other) || !around_largest(other)[1].is_empty();
+        // What is not converged, or not confirmed, leaves open which response is the largest.
+        let largest = match level.others().filter(is_farther).map(is_doubtful).reduce(|a, b| a && b) {
+            _ if !around_largest(main)[1].is_empty() => "; whether the largest response as well is not known",
+            Some(true) => "; whether the largest response as well is not known",
+            Some(false) => "",
+            None => ", but not the largest response",
         };
         let isolas = if self.is_one_isola() { "isola" } else { "isolas" };
         let goes = format!("{} at {}{}", self.size(isola), self.frequency(isola.omega_at_max), self.stable_part(isola));

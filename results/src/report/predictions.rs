@@ -7,7 +7,7 @@ use crate::overview::{
     Bounds, Level, Origin, beyond, born_above, born_below, born_between, forcing_label, is_within, later_birth, named,
     overlaps, overlooked, parted_between, told_threshold, truncation_doubt, undecided,
 };
-use crate::store::{CurvePoint, WindowRow};
+use crate::store::{CurvePoint, WindowOutcome, WindowRow};
 use crate::words::{self, count};
 use solver::response::task::SeedOutcome;
 use solver::response::windows::{Event, EventKind};
@@ -51,7 +51,7 @@ impl Evidence<'_> {
         let place = if self.is_of_windows_alone() { WINDOWS_ALONE } else { "where it was looked for" };
         let none = match self.has_nothing() {
             true => NOTHING.to_string(),
-            false => format!("{} {place}{}", self.none(), undecided(levels, self.curves)),
+            false => format!("{} {place}{}", self.none(), undecided(levels)),
         };
         if let Some(there) = self.overlooked() {
             return format!("{none}, though along fold curves {there}.");
@@ -60,8 +60,7 @@ impl Evidence<'_> {
             let forcing = forcing_label(birth, 5);
             format!("at A = {forcing} ({}{})", self.in_both_units(birth.omega), truncation_doubt(&[birth]))
         };
-        let may =
-            if undecided(levels, self.curves).is_empty() { "" } else { ": what is cut or unfinished above may be it" };
+        let may = if undecided(levels).is_empty() { "" } else { ": what is cut or unfinished above may be it" };
         let but = |what: String| format!("{none}, but along fold curves {what}{may}.");
         match &born_between(levels, curves, bounds)[..] {
             [only] => return but(format!("one is born between two of the levels, {}", at(only))),
@@ -123,7 +122,8 @@ impl Evidence<'_> {
         let told = |forcing: f64| format!("to {}", told_threshold(forcing, values()));
         let to = merge_after(&earliest).map_or_else(|| "on".into(), told);
         let (from, near) = (told_threshold(birth.threshold, values()), self.frequency(birth.omega));
-        let which = if above.len() == 1 { "one".into() } else { format!("{}, the first", above.len()) };
+        let which =
+            if above.len() == 1 { "one".into() } else { format!("{} at larger forcing, the first", above.len()) };
         Some(format!("{which} from A = {from} {to}, near {near}{}", beyond(self.bounds, birth.omega)))
     }
 
@@ -210,7 +210,8 @@ impl Evidence<'_> {
             };
             format!("{whose} already from A = {from} to {to}, where the run has no level")
         });
-        let so = if separate.is_empty() { "" } else { so };
+        // Of what lies where there is no level no seed has told.
+        let so = if earlier.is_empty() { so } else { "" };
         format!("{all}{earlier}{so}")
     }
 
@@ -225,7 +226,10 @@ impl Evidence<'_> {
         levels.peek().is_some()
             && levels.all(|level| {
                 let window = level.windows.iter().find(has_birth);
-                window.is_some_and(|window| is_on_main(window, &level.branches) == Some(true))
+                window.is_some_and(|window| {
+                    let is_found = matches!(window.outcome, WindowOutcome::Found(_));
+                    is_found && is_on_main(window, &level.branches) == Some(true)
+                })
             })
     }
 

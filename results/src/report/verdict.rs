@@ -123,7 +123,11 @@ impl<'r> Evidence<'r> {
 
     /// How it is said that there is no isola.
     pub(super) fn none(&self) -> &'static str {
-        if self.is_over() { "No isola was found" } else { "No isola has been found so far" }
+        match self.is_over() {
+            true if self.levels.iter().any(|level| level.is_damaged) => "In what can be read no isola was found",
+            true => "No isola was found",
+            false => "No isola has been found so far",
+        }
     }
 
     /// Whether the main branches of a level are known to their ends.

@@ -76,7 +76,7 @@ fn isolas(levels: &[Level], only: &str) -> Option<String> {
     let (all, doubt) = (branches().count(), Doubts::about(branches()).sentence());
     let doubt = doubt.map(|doubt| format!(" {doubt}")).unwrap_or_default();
     let found = if all == 1 { "An isola was found" } else { "Isolas were found" };
-    let is_final = |level: &Level| level.is_complete() || level.is_damaged;
+    let is_final = |level: &Level| level.is_complete() || (level.is_damaged && level.pending == 0);
     let so_far = if levels.iter().all(is_final) { "" } else { " so far" };
     let share = match levels.len() {
         1 => String::new(),

@@ -79,7 +79,8 @@ impl Known {
         let settings = overview.header.as_ref().map(|header| header.settings);
         let reach = omissions.read("The frequency range of the sweep is", reader.reach()).flatten();
         let is_further = reader.order().is_some();
-        let doubts = omissions.read("What is not known to its end is", doubts(reader)).flatten();
+        // Of what it is made of each part that cannot be read counts for itself.
+        let doubts = doubts(reader).unwrap_or_default();
         let mut known = Self {
             damaged: 0,
             others: omissions.read("How far monitored dofs move is", others).unwrap_or_default(),

@@ -154,6 +154,7 @@ impl<'r> Rows<'r> {
             }
             return match &level.main_failure {
                 Some(failure) => format!("none{}", self.notes.mark(format!("no main branch: {failure}"))),
+                None if level.is_damaged => "damaged".into(),
                 None => "to come".into(),
             };
         }
@@ -167,10 +168,14 @@ impl<'r> Rows<'r> {
             end.map(|end| self.notes.mark(format!("{how}: {end}"))).unwrap_or_default()
         });
         let marks: Vec<String> = marks.collect();
+        let (is_apart, largest) = (level.main_curves() > 1, level.main());
+        let is_largest = |row: &BranchRow| largest.is_some_and(|largest| std::ptr::eq(largest, row));
         let lost = "with twice the harmonics no such peak is confirmed";
-        let marks = marks.into_iter().zip(level.mains()).map(|(mark, row)| match is_peak_lost(row) {
-            true => with_mark(&mark, &self.notes.mark(lost.into())),
-            false => mark,
+        let marks = marks.into_iter().zip(level.mains()).map(|(mark, row)| {
+            match is_peak_lost(row) && (is_apart || is_largest(row)) {
+                true => with_mark(&mark, &self.notes.mark(lost.into())),
+                false => mark,
+            }
         });
         let marks: Vec<String> = marks.collect();
         // One curve has one largest response, in however many pieces it was found.

@@ -69,10 +69,7 @@ pub(super) fn no_isola(known: &Known, units: Units) -> Option<String> {
     }
     let backbones: Vec<&Backbone> = known.backbones.iter().filter_map(|(_, backbone)| backbone.as_ref()).collect();
     if let Some(there) = overlooked_isola(known, units) {
-        return Some(format!(
-            "No isola was found{}, though along fold curves {there}.",
-            undecided(levels, &known.curves)
-        ));
+        return Some(format!("No isola was found{}, though along fold curves {there}.", undecided(levels)));
     }
     let elsewhere = match born(levels, &known.curves, known.bounds()) {
         // What was computed tells more than an estimate.
@@ -85,7 +82,7 @@ pub(super) fn no_isola(known: &Known, units: Units) -> Option<String> {
         born => born,
     };
     let only = only_windows(settings);
-    Some(format!("No isola was found{only}{elsewhere}{}.", undecided(levels, &known.curves)))
+    Some(format!("No isola was found{only}{elsewhere}{}.", undecided(levels)))
 }
 
 /// An isola that fold curves have at levels at which none was found.

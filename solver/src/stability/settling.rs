@@ -106,8 +106,8 @@ pub type PeriodObserver<'o> = dyn FnMut(f64, f64) -> ControlFlow<()> + 'o;
 
 impl Verification {
     /// Points from which unstable motions are worth following: between a bifurcation at which the branch loses its stability to
-    /// motions of less symmetry, of twice the period or of another frequency, and the next fold; of a branch that is unstable all along,
-    /// as where the structure vibrates by itself, any. With the frequencies of their orbits.
+    /// motions of less symmetry, of twice the period or of another frequency, and the next fold; of a branch that is unstable wherever
+    /// that is known, as where the structure vibrates by itself, any. With the frequencies of their orbits.
     pub fn unsettled(&self) -> Vec<(usize, f64)> {
         let mut found = Vec::new();
         if !self.is_sound(self.monitors()) {

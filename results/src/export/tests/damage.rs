@@ -158,4 +158,10 @@ fn the_closing_table_begins_with_the_damage() {
     assert!(table.starts_with(said), "{table}");
     assert_eq!(table.matches("damaged¹").count(), 1, "{table}");
     assert!(table.contains("¹ not all of the level can be read") && !table.contains("no window"), "{table}");
+    // A level none of whose branches can be read is not one without branches.
+    let dir = damaged_run("UPDATE branches SET points = 'x' WHERE level = (SELECT max(level) FROM levels)");
+    let reader = Reader::open(dir.path()).unwrap();
+    let table = crate::summary_table::table(&reader, Default::default()).unwrap();
+    assert!(table.contains("│ 0.006 ┆ damaged"), "{table}");
+    assert!(!table.contains("to come") && !table.contains("No branch is known"), "{table}");
 }

@@ -128,7 +128,7 @@ fn modes_without_windows_are_named_with_the_reason() {
     let left_out = vec![(1, LeftOut::NotListed), (2, LeftOut::OutOfRange), (3, lost), (4, LeftOut::RigidBody)];
     let modes = ModesFollowed { followed: vec![0], left_out };
     let [danger, _, missed] = told(&levels, |evidence| evidence.modes = Some(&modes));
-    let named = "; isolas of mode 2 (not in the list of modes), of mode 5 (a rigid body but for laws, without a backbone), of mode 3 (far above the primary mode or far from given bounds, and \
+    let named = "; isolas of mode 2 (not in the list of modes), of mode 5 (a rigid body but for laws, without a backbone), of mode 3 (far above the primary mode or beyond the reach of given bounds, and \
                  followed only if backbone.modes lists it), of mode 4 (its backbone does not start), of sub- and super-harmonics and those to which no energy balance of mode 1";
     assert!(danger.contains(named), "{danger}");
     assert!(missed.starts_with("Not all is known (no backbone of mode 4). "), "{missed}");
@@ -201,12 +201,12 @@ fn windows_that_no_level_sees_apart_are_told() {
     };
     let nothing = |forcing| [Level { is_without_mains: true, ..level(forcing, Vec::new()) }];
     let said = of(&[level(0.001, vec![main(1e-3)])], false);
-    let none = " predicts no separate response at the levels and frequencies of the run, but 2, the first from A = 0.003 to 0.0055, near ";
+    let none = " predicts no separate response at the levels and frequencies of the run, but 2 at larger forcing, the first from A = 0.003 to 0.0055, near ";
     assert!(said.contains(none), "{said}");
     let said = of(&nothing(0.001), true);
     assert!(
         said.starts_with(&format!(
-            "{NOTHING} (see the first answer); the energy balance predicts 2, the first from A = 0.003 to 0.0055, near "
+            "{NOTHING} (see the first answer); the energy balance predicts 2 at larger forcing, the first from A = 0.003 to 0.0055, near "
         )),
         "{said}"
     );
@@ -215,7 +215,7 @@ fn windows_that_no_level_sees_apart_are_told() {
     from_rest.threshold.values[0] = 1.0;
     let further = [BackboneCurve { mode: 1, events: births.clone(), ..from_rest }];
     let [_, onset, _] = told(&nothing(0.001), |evidence| (evidence.further, evidence.is_further) = (&further, true));
-    assert!(onset.contains("predicts 2, the first from A = 0.003 on, near "), "{onset}");
+    assert!(onset.contains("predicts 2 at larger forcing, the first from A = 0.003 on, near "), "{onset}");
     let said = of(&nothing(0.02), true);
     assert_eq!(said, format!("{NOTHING} (see the first answer)."));
 }
