@@ -1,6 +1,6 @@
 //! Long branches are not lost with the worker that follows them.
 
-use crate::{DAMPER, LASTING, LONG, SHORT};
+use crate::{DAMPER, LASTING, LONG};
 use rustix::process::Signal;
 use std::time::Duration;
 use tests::{Process, System, results};
@@ -8,7 +8,7 @@ use tests::{Process, System, results};
 /// The task of the main branch.
 const MAIN: &str = "0.009-0";
 
-/// Shortest time between two parts that a worker sends.
+/// Shortest time between two parts that a worker sends (`PERIOD` in its `checkpoints.rs`, of which this is a copy).
 const PERIOD: Duration = Duration::from_secs(2);
 
 /// So long a worker takes steps before it is frozen.
@@ -43,7 +43,7 @@ fn a_successor_goes_on_and_comes_to_the_same_bytes() {
         let _worker = whole.worker();
         branch(&whole)
     });
-    let mut system = System::sweep(DAMPER, &[LASTING, SHORT].concat());
+    let mut system = System::sweep(DAMPER, &[LASTING, LONG].concat());
     let first = system.worker();
     system.eventually("a lease", |system| {
         system.number(&format!("SELECT count(*) FROM attempts WHERE task = '{MAIN}'")) == 1

@@ -12,7 +12,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 use zenoh::bytes::ZBytes;
 
-/// Shortest time between two parts.
+/// Shortest time between two parts; a test of the whole system freezes workers for so long.
 const PERIOD: Duration = Duration::from_secs(2);
 /// Of the time that a task has taken, the share that may be lost with a worker: so long between two parts.
 const LOST: u32 = 30;

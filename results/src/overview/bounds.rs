@@ -5,6 +5,9 @@ use solver::settings::FrequencySettings;
 /// Marks what happens beyond them.
 const BEYOND: &str = ", beyond the frequencies of the study";
 
+/// Relative distance from a bound up to which a response counts as at it.
+pub const BESIDE: f64 = 1e-6;
+
 /// The bounds at which branches apart from the main ones end: those that were given, for where nobody gave one they are followed as
 /// far as they go. A further order of motions has both if it has one: the other one is that of the first order, `reach` tells.
 pub fn bounds(given: FrequencySettings, reach: Option<(f64, f64)>, is_further: bool) -> FrequencySettings {
@@ -15,6 +18,11 @@ pub fn bounds(given: FrequencySettings, reach: Option<(f64, f64)>, is_further: b
         }
         _ => given,
     }
+}
+
+/// Whether a frequency is that of a bound, if there is one.
+pub fn is_at_bound(omega: f64, bound: Option<f64>) -> bool {
+    bound.is_some_and(|bound| (omega - bound).abs() <= BESIDE * bound)
 }
 
 /// Which frequencies were looked at, where that is known: a sentence.

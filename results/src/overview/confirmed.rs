@@ -17,7 +17,7 @@ pub(super) fn doubled(row: &BranchRow) -> Option<Doubled> {
     Some(doubled).filter(|_| !is_scattered && is_inside)
 }
 
-/// Whether nothing confirms an isola: no peak like its own was found with twice the harmonics, no motion near it by time marching,
+/// Whether nothing confirms an isola: no peak like its own is confirmed with twice the harmonics, no motion near it by time marching,
 /// and nothing elsewhere on it that is stable or not.
 pub fn is_unconfirmed(row: &BranchRow) -> bool {
     let is_unmatched = |stability: &Stability| {
@@ -27,7 +27,7 @@ pub fn is_unconfirmed(row: &BranchRow) -> bool {
     row.is_isola() && doubled(row).is_none() && row.stability.as_ref().is_some_and(is_unmatched)
 }
 
-/// Whether no peak like that of an isola was found with twice the harmonics, and time marching did not find it or cannot tell. Motions
+/// Whether no peak like that of an isola is confirmed with twice the harmonics, and time marching did not find it or cannot tell. Motions
 /// elsewhere on it may be those of a branch nearby.
 pub fn is_unmatched(row: &BranchRow) -> bool {
     let is_marched = |stability: &Stability| {

@@ -1,33 +1,28 @@
 //! Main branches that a bound of the frequency cuts off while they rise.
 
-use super::level::Level;
-use super::of_kind::named;
+use super::bounds::is_at_bound;
+use super::level::{Level, named};
+
 use crate::words::count;
 use solver::settings::FrequencySettings;
-
-/// Relative distance from a bound up to which a response counts as at it.
-const BESIDE: f64 = 1e-6;
-
-/// Whether a frequency is that of a bound, if there is one.
-pub fn is_at(omega: f64, bound: Option<f64>) -> bool {
-    bound.is_some_and(|bound| (omega - bound).abs() <= BESIDE * bound)
-}
 
 /// That the largest responses of main branches lie at a bound that was given, beyond which they are not known, in short and in a sentence.
 pub fn cut_mains(levels: &[Level], given: FrequencySettings) -> Option<(String, String)> {
     let is_cut = |level: &&Level| {
         level.main().is_some_and(|main| {
-            !main.at_least().is_empty() && (is_at(main.omega_at_max, given.min) || is_at(main.omega_at_max, given.max))
+            !main.at_least().is_empty()
+                && (is_at_bound(main.omega_at_max, given.min) || is_at_bound(main.omega_at_max, given.max))
         })
     };
     let cut: Vec<&Level> = levels.iter().filter(is_cut).collect();
     if cut.is_empty() {
         return None;
     }
-    let at =
-        |bound: Option<f64>| cut.iter().any(|level| level.main().is_some_and(|main| is_at(main.omega_at_max, bound)));
+    let at = |bound: Option<f64>| {
+        cut.iter().any(|level| level.main().is_some_and(|main| is_at_bound(main.omega_at_max, bound)))
+    };
     let bounds = match (at(given.min), at(given.max)) {
-        (true, true) => "frequency.min and frequency.max",
+        (true, true) => "frequency.min or frequency.max",
         (true, false) => "frequency.min",
         (false, _) => "frequency.max",
     };
@@ -64,7 +59,7 @@ mod tests {
         ];
         assert_eq!(
             cut_mains(&levels, given).unwrap().1,
-            "Main branches at A = 2, 3 go on, where they are largest, beyond frequency.max: how far is not known, and larger responses may lie \
+            "Main branches at A = 2 and 3 go on, where they are largest, beyond frequency.max: how far is not known, and larger responses may lie \
              there."
         );
         assert!(

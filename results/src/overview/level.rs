@@ -5,8 +5,15 @@ use super::reasons::briefly;
 use super::stability_words::by_marching;
 use super::windows::{elsewhere, tell_elsewhere, within};
 use crate::store::{BranchRow, Reader, WindowOutcome, WindowRow};
+use crate::words::listed_first;
 use serde::{Serialize, Serializer};
 use solver::response::branch::{BranchKind, Outcome};
+
+/// Levels that a sentence names.
+const NAMED: usize = 6;
+
+/// Kinds of branches that may be isolas or not.
+pub(super) const UNDECIDED: [BranchKind; 2] = [BranchKind::Unfinished, BranchKind::Cut];
 
 /// A forcing level.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
@@ -138,8 +145,7 @@ impl Level {
 
     /// Whether one of its other branches is cut or unfinished: it may be an isola.
     pub fn has_undecided(&self) -> bool {
-        let kinds = [BranchKind::Cut, BranchKind::Unfinished].map(BranchKind::name);
-        self.others().any(|row| kinds.contains(&row.kind.as_str()))
+        self.others().any(|row| UNDECIDED.map(BranchKind::name).contains(&row.kind.as_str()))
     }
 
     /// The one of them with the point of largest amplitude.
@@ -212,6 +218,16 @@ pub fn is_untouched(levels: &[Level]) -> bool {
     let touches = |level: &Level| level.branches.iter().any(|branch| branch.certificate.contact_omega.is_some());
     let are_some = levels.iter().any(|level| !level.branches.is_empty());
     are_some && levels.iter().all(|level| level.is_complete() && !touches(level))
+}
+
+/// What is said after that no isola was found.
+pub fn undecided(levels: &[Level]) -> &'static str {
+    if levels.iter().any(Level::has_undecided) { "; what is cut or unfinished may be one" } else { "" }
+}
+
+/// Levels in words: `A = 1, 2 and 3 more`.
+pub fn named(levels: &[&Level]) -> String {
+    format!("A = {}", listed_first(levels.iter().map(|level| level.amplitude.clone()).collect(), NAMED))
 }
 
 /// The branch with the point of largest amplitude; one whose amplitude cannot be read counts for nothing.

@@ -70,10 +70,11 @@ impl LookedFor<'_> {
     /// The same in short: what was done, and that nothing else was; `next` says how to look for motions of other periods.
     pub fn brief(&self, next: Option<String>) -> String {
         let (with, none) = self.windows();
-        let (complete, all) = (self.complete(), self.levels.len());
-        let so_far = (complete < all).then(|| format!("completely at {complete} of {}", count(all, "level")));
-        let more: Vec<String> = none.into_iter().chain(so_far).collect();
-        let windows = if more.is_empty() { with } else { format!("{with} ({})", more.join("; ")) };
+        let windows = none.map_or_else(|| with.clone(), |none| format!("{with} ({none})"));
+        let so_far = match self.complete() < self.levels.len() {
+            true => format!(", at {}", self.at_levels()),
+            false => String::new(),
+        };
         let starts = match (self.search.starts, self.search.fewest) {
             (0, _) => None,
             (number, 0) => Some(format!("{} (none at some levels)", count(number, "random start"))),
@@ -84,10 +85,14 @@ impl LookedFor<'_> {
         let ways: Vec<String> = std::iter::once(windows).chain(starts).chain(homotopies).chain(folds).collect();
         let alone = if ways.len() == 1 { " alone" } else { "" };
         let folds = self.folds_not_followed();
-        let modes: String =
-            self.modes.into_iter().flat_map(modes::unlisted).map(|modes| format!("; not of {modes}")).collect();
+        let modes: String = self
+            .modes
+            .into_iter()
+            .flat_map(modes::brought_back_by_a_list)
+            .map(|modes| format!("; no windows of {modes}"))
+            .collect();
         format!(
-            "Looked for: {}{alone}{modes}{folds}{}; an isola to which none of these leads is not found, nor one of {}{}.{}",
+            "Looked for{so_far}: {}{alone}{modes}{folds}{}; an isola to which none of these leads is not found, nor one of {}{}.{}",
             ways.join(", "),
             self.beyond_backbones(),
             self.other_periods(),
@@ -99,6 +104,16 @@ impl LookedFor<'_> {
     /// Number of levels of which all is known.
     fn complete(&self) -> usize {
         self.levels.iter().filter(|level| level.is_complete()).count()
+    }
+
+    /// The levels: `7 levels, 4 of them completely`.
+    fn at_levels(&self) -> String {
+        match (self.levels.len(), self.complete()) {
+            (all, complete) if all == complete => count(all, "level"),
+            (1, 0) => "1 level, not completely".into(),
+            (all, 0) => format!("{}, none of them completely", count(all, "level")),
+            (all, complete) => format!("{}, {complete} of them completely", count(all, "level")),
+        }
     }
 
     /// Which folds were not followed over the forcing.
@@ -148,7 +163,6 @@ impl LookedFor<'_> {
 
     /// Where isolas were looked for: `the windows of mode 1 at 7 levels (12 seeds tried, 2 without a branch near them)`.
     fn searched(&self) -> String {
-        let complete = self.complete();
         let tried: usize = self.levels.iter().map(|level| level.seeds.tried).sum();
         let failed: usize = self.levels.iter().map(|level| level.seeds.failed).sum();
         let harmonic = match self.harmonic {
@@ -156,11 +170,7 @@ impl LookedFor<'_> {
             m => format!(", the forcing acting on harmonic {m}"),
         };
         let nowhere = if failed > 0 { format!(", {failed} without a branch near them") } else { String::new() };
-        let levels = match self.levels.len() {
-            all if all == complete => count(all, "level"),
-            all if complete == 0 => format!("{}, none of them completely", count(all, "level")),
-            all => format!("{}, {complete} of them completely", count(all, "level")),
-        };
+        let levels = self.at_levels();
         let (windows, none) = self.windows();
         let none = none.map_or_else(String::new, |none| format!("; {none}"));
         let folds = match self.curves {
@@ -381,8 +391,8 @@ mod tests {
         let said = told.brief(None);
         for part in [
             "64 random starts (none at some levels)",
-            "; not of mode 4 (far above the primary mode or beyond the reach of given bounds, and followed only if backbone.modes lists it)",
-            "; not of mode 3 (more than are followed",
+            "; no windows of mode 4 (far above the primary mode or beyond the reach of given bounds, and followed only if backbone.modes lists it)",
+            "; no windows of mode 3 (more than are followed",
             "; folds were not followed (a law has a corner)",
             "; the backbone of mode 1 ends at A* = 2.5, and no window beyond was looked for (this run began with smaller levels: a sweep of its own with all \
              of them looks farther); the backbone of mode 2 ends at a branch point near 60 rad/s (9.549 Hz), beyond A* = 2.5, and no window \
@@ -396,7 +406,7 @@ mod tests {
         let mut told = looked_for(&levels, &[1]);
         told.search.hanging = 2;
         let said = told.brief(None);
-        assert!(said.contains(&format!("(completely at {} of {} level", levels.len() - 1, levels.len())), "{said}");
+        assert!(said.starts_with("Looked for, at 1 level, not completely: windows of "), "{said}");
         assert!(
             said.contains("; folds of 2 branches that branch off others were not followed over the forcing;"),
             "{said}"

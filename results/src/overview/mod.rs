@@ -48,9 +48,9 @@ pub use amplitude_bound::amplitude_bound;
 pub use around_largest::around_largest;
 pub use at_rest::{acting_at_rest, pressed_at_rest};
 pub use beginnings::{beginning, is_begun};
-pub use bounds::{beyond, bounds, is_within, reach_sentence};
+pub use bounds::{BESIDE, beyond, bounds, is_at_bound, is_within, reach_sentence};
 pub use confirmed::{Doubts, is_unconfirmed, is_unmatched};
-pub use cut_mains::{cut_mains, is_at};
+pub use cut_mains::cut_mains;
 pub use doubts::{doubts, ends_far_beyond, ends_near, stopped};
 pub use event_words::{BIRTH, DEATH, EVENTS, EventWords, MERGE, MERGES};
 pub use events::{Events, events};
@@ -64,12 +64,12 @@ pub use largest_stable::{
     StableResponse, largest_stable, largest_stable_sentence, passed_over_sentence, unstable_peak_sentence,
 };
 pub use lesser::Lesser;
-pub use level::{Level, Seeds, UNTOUCHED, highest, is_untouched};
+pub use level::{Level, Seeds, UNTOUCHED, highest, is_untouched, named, undecided};
 pub use lives::parted_between;
 pub use looked_for::{LookedFor, has_joints};
 pub use merges::merge_verb;
 pub use near_largest::near_largest;
-pub use of_kind::{named, of_kind, undecided, undecided_kinds};
+pub use of_kind::{of_kind, undecided_kinds};
 pub use omissions::{Omissions, damage_sentence};
 pub use overlooked::{Bounds, overlooked};
 pub use place::undetermined;

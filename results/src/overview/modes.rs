@@ -36,7 +36,7 @@ pub fn left_out(choice: &ModesFollowed) -> Vec<String> {
 }
 
 /// Those of them that a list of modes brings back.
-pub fn unlisted(choice: &ModesFollowed) -> Vec<String> {
+pub fn brought_back_by_a_list(choice: &ModesFollowed) -> Vec<String> {
     for_reasons(choice, |why| matches!(why, LeftOut::OutOfRange | LeftOut::TooMany))
 }
 

@@ -1,31 +1,22 @@
 //! Branches of one kind over all levels, in a sentence.
 
 use super::around_largest::around_largest;
-use super::level::{Level, highest};
+use super::level::{Level, UNDECIDED, highest, named};
 use crate::store::BranchRow;
 use solver::response::branch::BranchKind;
 
-/// Levels that a sentence names.
-const NAMED: usize = 6;
-
-/// Kinds of branches that may be isolas or not: what they are called in short, and what many of them do.
-const UNDECIDED: [(BranchKind, &str, &str); 2] = [
-    (BranchKind::Unfinished, "unfinished", "are unfinished: whether they are detached is not known"),
-    (BranchKind::Cut, "cut by bounds", "leave through bounds that were given: whether they are detached is not known"),
-];
-
 /// Branches of which it is not known whether they are detached, in short and in a sentence each kind. `size` writes an amplitude, m.
 pub fn undecided_kinds(levels: &[Level], size: impl Fn(f64) -> String) -> Vec<(String, String)> {
-    let told = |(kind, brief, what)| {
-        let (branches, sentence) = of_kind(levels, kind, what, &size)?;
+    let told = |kind: BranchKind| {
+        let (brief, what) = match kind {
+            BranchKind::Cut => ("cut by bounds", "leave through bounds that were given"),
+            _ => (kind.name(), "are unfinished"),
+        };
+        let what = format!("{what}: whether they are detached is not known");
+        let (branches, sentence) = of_kind(levels, kind, &what, &size)?;
         Some((format!("{branches} {brief}"), sentence))
     };
     UNDECIDED.into_iter().filter_map(told).collect()
-}
-
-/// What is said after that no isola was found.
-pub fn undecided(levels: &[Level]) -> &'static str {
-    if levels.iter().any(Level::has_undecided) { "; what is cut or unfinished may be one" } else { "" }
 }
 
 /// `2 branches`, and in a sentence what they do, told of many. `size` writes an amplitude, m.
@@ -61,14 +52,6 @@ pub fn of_kind(
     })
 }
 
-/// `A = 1, 2 and 3 more`.
-pub fn named(levels: &[&Level]) -> String {
-    let list: Vec<&str> = levels.iter().take(NAMED).map(|level| level.amplitude.as_str()).collect();
-    let more = levels.len().saturating_sub(NAMED);
-    let more = if more > 0 { format!(" and {more} more") } else { String::new() };
-    format!("A = {}{more}", list.join(", "))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -92,7 +75,7 @@ mod tests {
             told(&[level("1", &[cut(2.0), cut(3.0)]), level("2", &[]), level("3", &[cut(4.0)])]),
             [(
                 "3 branches cut by bounds".into(),
-                "3 branches, at A = 1, 3 (up to 4 m), leave through bounds that were given: whether they are detached is not known.".into()
+                "3 branches, at A = 1 and 3 (up to 4 m), leave through bounds that were given: whether they are detached is not known.".into()
             )]
         );
         let both = told(&[level("1", &[cut(2.0), row(BranchKind::Unfinished, 1.0)])]);

@@ -84,8 +84,8 @@ pub(super) fn by_marching(row: &BranchRow) -> String {
     format!("{around}{}", CLASSES[class(row)])
 }
 
-/// Of these branches, called so, each with its level, with the levels of those that are stable nowhere; `around`: what of them alone was looked at. `None` if
-/// nothing was verified.
+/// Of these branches, called so, each with its level: how many are what, and at which levels those are that are unstable wherever that is
+/// known. `around`: what of them alone was looked at. `None` if nothing was verified.
 pub fn stability_of(rows: &[(&str, &BranchRow)], [one, several]: [&str; 2], around: &str) -> Option<StabilityOf> {
     let mut counts = [0; CLASSES.len()];
     rows.iter().for_each(|(_, row)| counts[class(row)] += 1);
@@ -114,7 +114,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn levels_at_which_nothing_is_stable_are_named() {
+    fn levels_of_unstable_branches_are_named() {
         let row = |stable| {
             let known = Stability { is_whole: true, stable, unstable: 1.0 - stable, ..Stability::default() };
             BranchRow { stability: Some(known), ..BranchRow::default() }

@@ -149,9 +149,9 @@ fn of_peaks<'l, I: Iterator<Item = (&'l Level, &'l BranchRow)>>(
     remedy: &str,
 ) -> Option<String> {
     let is_known = rows().any(|(_, row)| change(row).is_some());
-    // Not computed where the peak is no maximum, nor by the first programs; otherwise nothing like it was found with more harmonics.
-    let is_lost = |row: &BranchRow| has_maximum(row) && doubled(row).is_none();
-    let lost = rows().filter(|(_, row)| is_lost(row) && (is_known || row.peak_standing.is_some()));
+    // Not computed where the peak is no maximum, nor by the first programs; otherwise nothing like it is confirmed with more harmonics.
+    let is_lost = |row: &BranchRow| is_peak_lost(row) || (is_known && has_maximum(row) && doubled(row).is_none());
+    let lost = rows().filter(|(_, row)| is_lost(row));
     let lost: Vec<String> =
         lost.map(|(level, row)| format!("{} at A = {}", super::in_words(row), level.amplitude)).collect();
     if !lost.is_empty() {
@@ -230,12 +230,12 @@ pub fn asks_for_harmonics(sentence: &str) -> bool {
     sentence.contains("set harmonics.count")
 }
 
-/// Whether no peak of a branch is confirmed with twice the harmonics, though they were tried.
+/// Whether no peak of a branch is confirmed with twice the harmonics, which only the first programs did not try.
 pub fn is_peak_lost(row: &BranchRow) -> bool {
-    has_maximum(row) && doubled(row).is_none() && row.certificate.elsewhere.is_some()
+    has_maximum(row) && doubled(row).is_none() && row.peak_standing.is_some()
 }
 
-/// Whether the peak of a branch changes with twice the harmonics, or none is found near it.
+/// Whether the peak of a branch changes with twice the harmonics, or none is confirmed near it.
 pub(super) fn has_moved(row: &BranchRow) -> bool {
     has_maximum(row) && change(row).is_none_or(|change| largest(change) > CONVERGED)
 }

@@ -2,7 +2,7 @@
 
 use super::level::Level;
 use crate::store::{CurvePoint, CurveRow};
-use crate::words::digits;
+use crate::words::{digits, listed_first};
 use solver::response::critical::CriticalKind;
 
 /// Events that a sentence names.
@@ -40,10 +40,10 @@ pub fn unknown_events<'c>(curves: &'c [CurveRow], levels: &[Level]) -> (Vec<&'c 
 /// Where they are, in a sentence; `frequency` writes one, of rad/s.
 pub fn unknown_sentence(events: &[&CurvePoint], frequency: impl Fn(f64) -> String) -> String {
     let place = |point: &&CurvePoint| format!("{} ({})", digits(point.forcing, DIGITS), frequency(point.omega));
-    let at: Vec<String> = events.iter().take(NAMED).map(place).collect();
-    let more = if events.len() > NAMED { ", …" } else { "" };
-    let at = at.join(", ");
-    format!("What happens along fold curves at A = {at}{more} is not known: a birth, a merge or neither.")
+    let mut sorted = events.to_vec();
+    sorted.sort_by(|a, b| a.forcing.total_cmp(&b.forcing));
+    let at = listed_first(sorted.iter().map(place).collect(), NAMED);
+    format!("What happens along fold curves at A = {at} is not known: a birth, a merge or neither.")
 }
 
 #[cfg(test)]

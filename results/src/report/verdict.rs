@@ -41,8 +41,8 @@ pub fn verdict(evidence: &Evidence<'_>) -> [Sentence; 3] {
     let lead = |lost: &Option<String>, truncated: Option<String>| {
         let lost = lost.iter().filter(|_| is_grave).cloned();
         let all: Vec<String> = match evidence.stage {
-            // What is not converged may be all wrong; what is not done is worse.
-            Some(Stage::Finished) => truncated.into_iter().chain(lost).collect(),
+            // What is not converged may be all wrong; what is not done, or damaged, is worse.
+            Some(Stage::Finished) if evidence.damaged == 0 => truncated.into_iter().chain(lost).collect(),
             _ => lost.chain(truncated).collect(),
         };
         (!all.is_empty()).then(|| all.join(" "))

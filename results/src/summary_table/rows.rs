@@ -8,8 +8,8 @@ use super::known::{Known, PeaksOf};
 use super::listed::{Listed, listed};
 use super::units::{FrequencyUnit, Units};
 use crate::overview::{
-    BIRTH, Lesser, Level, WindowOutcome, beginning, forcing_label, is_at, is_begun, is_peak_lost, is_unconfirmed,
-    is_unmatched, later_birth, told_threshold, truncation_doubt, windows,
+    BESIDE, BIRTH, Lesser, Level, WindowOutcome, beginning, forcing_label, is_at_bound, is_begun, is_peak_lost,
+    is_unconfirmed, is_unmatched, later_birth, told_threshold, truncation_doubt, windows,
 };
 use crate::store::{BranchRow, CurveRow, WindowRow};
 use crate::words::count;
@@ -17,8 +17,8 @@ use solver::response::backbone::{Backbone, BackbonePoint};
 use solver::response::branch::{BranchKind, Outcome};
 use solver::settings::FrequencySettings;
 
-/// Relative distance from a bound up to which a peak counts as at it.
-const BESIDE: f64 = 1e-6;
+/// What is said of peaks that twice the harmonics do not confirm.
+const UNCONFIRMED: &str = "with twice the harmonics no such peak is confirmed";
 
 /// Further peaks of a main branch that are listed.
 const FURTHER: usize = 4;
@@ -120,7 +120,7 @@ impl<'r> Rows<'r> {
         let Units { length, frequency } = self.units;
         let omega = row.omega_at_max;
         let FrequencySettings { min, max } = self.given;
-        let is_cut = !row.at_least().is_empty() && (is_at(omega, min) || is_at(omega, max));
+        let is_cut = !row.at_least().is_empty() && (is_at_bound(omega, min) || is_at_bound(omega, max));
         let bound = if is_cut { " (bound)" } else { "" };
         format!("{}{} at {}{bound}", row.at_least(), length.digits(row.amplitude_max), frequency.digits(omega))
     }
@@ -158,26 +158,7 @@ impl<'r> Rows<'r> {
                 None => "to come".into(),
             };
         }
-        let ends: Vec<Outcome> =
-            self.mains.iter().filter(|(amplitude, _)| *amplitude == level.amplitude).map(|(_, end)| *end).collect();
-        // Another one may have gone on where a walk ended.
-        let how =
-            if level.mains().any(|row| row.joints() > 0) { "a walk along it ended" } else { "known only in part" };
-        let marks = (0..level.mains().count()).map(|i| {
-            let end = ends.get(i).filter(|end| end.is_unfinished());
-            end.map(|end| self.notes.mark(format!("{how}: {end}"))).unwrap_or_default()
-        });
-        let marks: Vec<String> = marks.collect();
-        let (is_apart, largest) = (level.main_curves() > 1, level.main());
-        let is_largest = |row: &BranchRow| largest.is_some_and(|largest| std::ptr::eq(largest, row));
-        let lost = "with twice the harmonics no such peak is confirmed";
-        let marks = marks.into_iter().zip(level.mains()).map(|(mark, row)| {
-            match is_peak_lost(row) && (is_apart || is_largest(row)) {
-                true => with_mark(&mark, &self.notes.mark(lost.into())),
-                false => mark,
-            }
-        });
-        let marks: Vec<String> = marks.collect();
+        let marks = self.doubts_about_mains(level);
         // One curve has one largest response, in however many pieces it was found.
         if let Some(row) = level.main().filter(|_| level.main_curves() == 1) {
             let peak = marks.iter().fold(self.peak(row), |text, mark| with_mark(&text, mark));
@@ -190,6 +171,27 @@ impl<'r> Rows<'r> {
             peak + &self.further(std::iter::once(row))
         });
         peaks.collect::<Vec<_>>().join("\n")
+    }
+
+    /// Marks of the main branches of a level, one after the other: of what is known in part, and of peaks that are not confirmed.
+    fn doubts_about_mains(&mut self, level: &Level) -> Vec<String> {
+        let ends: Vec<Outcome> =
+            self.mains.iter().filter(|(amplitude, _)| *amplitude == level.amplitude).map(|(_, end)| *end).collect();
+        // Another one may have gone on where a walk ended.
+        let how =
+            if level.mains().any(|row| row.joints() > 0) { "a walk along it ended" } else { "known only in part" };
+        let (is_apart, largest) = (level.main_curves() > 1, level.main());
+        let mark = |(i, row): (usize, &BranchRow)| {
+            let end = ends.get(i).filter(|end| end.is_unfinished());
+            let mark = end.map(|end| self.notes.mark(format!("{how}: {end}"))).unwrap_or_default();
+            // Of one curve in pieces the peak of the largest is told.
+            let is_told = is_apart || largest.is_some_and(|largest| std::ptr::eq(largest, row));
+            match is_told && is_peak_lost(row) {
+                true => with_mark(&mark, &self.notes.mark(UNCONFIRMED.into())),
+                false => mark,
+            }
+        };
+        level.mains().enumerate().map(mark).collect()
     }
 
     /// A mark at a peak outside of the bounds that were given.
@@ -256,24 +258,19 @@ impl<'r> Rows<'r> {
     /// By which bounds of the frequency that were given a branch is cut off at both ends, if it is.
     fn cut_at(&self, row: &BranchRow) -> Option<String> {
         let FrequencySettings { min, max } = self.given;
-        let low = is_at(row.omega.0, min).then_some("frequency.min");
-        let high = is_at(row.omega.1, max).then_some("frequency.max");
-        // At the other bound it would be seen to be there.
-        let both_through = |bound: &str, is_known: bool| match is_known {
-            true => format!("leaves through {bound} at both ends"),
-            false => format!("leaves through bounds at both ends, {bound} among them"),
+        let low = is_at_bound(row.omega.0, min).then_some("frequency.min");
+        let high = is_at_bound(row.omega.1, max).then_some("frequency.max");
+        // At the other bound, given or not, it would be seen to be there.
+        let lowest = min.or(self.reached.map(|(low, _)| low));
+        let highest = max.or(self.reached.map(|(_, high)| high));
+        let both_through = |bound: &str, is_inside: Option<bool>| match is_inside {
+            Some(true) => format!("leaves through {bound} at both ends"),
+            _ => format!("leaves through bounds at both ends, {bound} among them"),
         };
-        let own = |bound: fn((f64, f64)) -> f64| self.reached.map(bound);
         let how = match (low, high) {
             (Some(low), Some(high)) => Some(format!("leaves through {low} and {high}")),
-            (Some(low), None) => Some(both_through(
-                low,
-                max.or(own(|(_, high)| high)).is_some_and(|high| row.omega.1 < high * (1.0 - BESIDE)),
-            )),
-            (None, Some(high)) => Some(both_through(
-                high,
-                min.or(own(|(low, _)| low)).is_some_and(|low| row.omega.0 > low * (1.0 + BESIDE)),
-            )),
+            (Some(low), None) => Some(both_through(low, highest.map(|highest| row.omega.1 < highest * (1.0 - BESIDE)))),
+            (None, Some(high)) => Some(both_through(high, lowest.map(|lowest| row.omega.0 > lowest * (1.0 + BESIDE)))),
             (None, None) => None,
         };
         how.filter(|_| row.kind == BranchKind::Cut.name() && row.status.matches("frequency bound").count() == 2)

@@ -108,7 +108,10 @@ fn texts(levels: &[Level]) -> [String; 3] {
 fn sides_without_a_start() {
     let failed = |value| Level { main_failure: Some("it turned back".into()), ..level(value, vec![main(1e-3)]) };
     let [danger, ..] = texts(&[failed(1.0), failed(2.0)]);
-    assert!(danger.contains(" At A = 1, 2 no main branch starts at one of the two sides: it turned back."), "{danger}");
+    assert!(
+        danger.contains(" At A = 1 and 2 no main branch starts at one of the two sides: it turned back."),
+        "{danger}"
+    );
 }
 
 /// What is lost is told in sentences.
@@ -222,6 +225,17 @@ fn where_the_last_one_ends() {
     levels[1].branches.pop();
     levels[1].pending = 3;
     assert!(!texts(&levels)[1].contains("any more"));
+    // What else goes up farther is missed as well; what may be no response leaves it open.
+    let missed = |other: BranchRow| texts(&[level(1.0, vec![main(1e-3), isola(5e-4), other])])[2].clone();
+    let open = branch("open", 1, (120.0, 130.0), 2e-3);
+    assert!(
+        missed(open).starts_with("Yes, the isola: at A = 1"),
+        "{}",
+        missed(branch("open", 1, (120.0, 130.0), 2e-3))
+    );
+    let doubtful = BranchRow { number: 2, peak_standing: Some(Standing::At), ..isola(2e-3) };
+    let said = missed(doubtful);
+    assert!(said.contains("; whether the largest response as well is not known: at A = 1"), "{said}");
 }
 
 #[test]
@@ -235,7 +249,7 @@ fn a_cancelled_run_says_so_first() {
     (levels[2].pending, levels[3].pending) = (2, 3);
     let all = told(&levels, |evidence| evidence.stage = Some(Stage::Cancelled));
     let [danger, onset, missed] = &all;
-    let lost = "Not all is known. The run was cancelled. 5 tasks still to come, at A = 3, 4. Between 120 and";
+    let lost = "Not all is known. The run was cancelled. 5 tasks still to come, at A = 3 and 4. Between 120 and";
     assert!(danger.starts_with(lost), "{danger}");
     let caveat = "Not all is known (cancelled; 2 levels unfinished). ";
     let found = onset.strip_prefix(caveat).unwrap();
@@ -282,7 +296,10 @@ fn what_others_contradict_is_a_loss() {
     let mut levels = [level(1.0, vec![main(1e-3)]), level(2.0, vec![main(1e-3)])];
     (levels[0].refuted, levels[1].disputed) = (2, 1);
     let [danger, onset, _] = texts(&levels);
-    assert!(danger.contains(" Not all is known. 3 results contradicted by other workers, at A = 1, 2. "), "{danger}");
+    assert!(
+        danger.contains(" Not all is known. 3 results contradicted by other workers, at A = 1 and 2. "),
+        "{danger}"
+    );
     assert!(
         onset.starts_with("None was found") && onset.contains(" Not all is known (3 results contradicted)."),
         "{onset}"
@@ -296,7 +313,7 @@ fn kinds_are_named_for_what_they_are() {
     let levels = [level(1.0, vec![at_least(main(1e-3)), cut.clone(), open]), level(2.0, vec![main(1e-3), cut])];
     let [danger, onset, missed] = texts(&levels);
     // That it is not known of some what they are is said before every answer.
-    let lost = "Not all is known. 2 branches, at A = 1, 2 (at least 2 mm), leave through bounds that were given: whether they are detached is not known.";
+    let lost = "Not all is known. 2 branches, at A = 1 and 2 (at least 2 mm), leave through bounds that were given: whether they are detached is not known.";
     assert!(danger.starts_with(&format!("{lost} No isola was found where")), "{danger}");
     let kind =
         "1 branch, at A = 1 (up to 1.5 mm), leaves through the widest bounds at both ends: detached, but not closed.";

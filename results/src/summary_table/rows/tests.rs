@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::store::{Crossing, CurvePoint};
+use solver::response::branch::Standing;
 
 fn rows(mains: &[(String, Outcome)]) -> Rows<'_> {
     Rows {
@@ -75,6 +76,28 @@ fn a_main_branch_in_pieces_has_one_peak() {
     assert_eq!(told.of(&apart)[1], "1.0000 at 21.5000\n2.0000 at 21.5000\n4.0000 at 21.5000¹");
     assert_eq!(apart.main_curves(), 2);
     assert_eq!(crate::overview::in_words(&pieces.branches[1]), "the main branch");
+}
+
+/// Of one curve in pieces only the largest one's peak is told, and marked.
+#[test]
+fn a_peak_that_twice_the_harmonics_do_not_confirm_is_marked() {
+    let lost = |number, amplitude_max, status| BranchRow {
+        peak_standing: Some(Standing::At),
+        ..main(number, amplitude_max, status)
+    };
+    let marked = |branches: Vec<BranchRow>| {
+        let mut told = rows(&[]);
+        (told.of(&level(branches))[1].clone(), told.notes.lines(200))
+    };
+    let whole = "open: linear range to frequency bound";
+    let (text, notes) = marked(vec![lost(1, 2.0, whole)]);
+    assert_eq!(
+        (text.as_str(), &notes[..]),
+        ("2.0000 at 21.5000¹", &["¹ with twice the harmonics no such peak is confirmed".to_string()][..])
+    );
+    let piece = main(2, 3.0, "open: frequency bound to known branch");
+    assert_eq!(marked(vec![lost(1, 2.0, whole), piece]), ("3.0000 at 21.5000".into(), Vec::new()));
+    assert_eq!(marked(vec![main(1, 2.0, whole)]).1, Vec::<String>::new());
 }
 
 #[test]
